@@ -1,0 +1,46 @@
+# One static library per folder: vantage_library(NAME SOURCES ... LINK ...). Includes are written
+# from the project's root, e.g. "common/result.h".
+function(vantage_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LINK_PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
+  vantage_set_warnings(${name})
+endfunction()
+
+# A program of ours: vantage_program(NAME SOURCES ... LINK ...).
+function(vantage_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK})
+  vantage_set_warnings(${name})
+  install(TARGETS ${name})
+endfunction()
+
+# A test program: vantage_test(NAME SOURCES ... LINK ... [TIMEOUT seconds]).
+function(vantage_test name)
+  if(NOT VANTAGE_BUILD_TESTS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE VANTAGE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  vantage_set_warnings(${name})
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+endfunction()
+
+# A benchmark program: vantage_benchmark(NAME SOURCES ... LINK ...).
+function(vantage_benchmark name)
+  if(NOT VANTAGE_BUILD_BENCHMARKS)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} benchmark::benchmark)
+  target_compile_definitions(${name} PRIVATE VANTAGE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  vantage_set_warnings(${name})
+endfunction()

@@ -1,0 +1,5 @@
+# Warnings as errors for a target of ours; other people's headers are included as SYSTEM.
+function(vantage_set_warnings target)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wold-style-cast -Werror)
+endfunction()

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "common/camera_model.h"
+#include "common/so3.h"
+#include "common/triangle_mesh.h"
+
+namespace vantage {
+
+/// Inclusive rectangle of pixels; empty when u1 < u0 or v1 < v0.
+struct PixelWindow {
+  int u0 = 0;
+  int v0 = 0;
+  int u1 = -1;
+  int v1 = -1;
+
+  [[nodiscard]] bool empty() const { return u1 < u0 || v1 < v0; }
+};
+
+/// Renders triangle meshes into a depth buffer, seen through a pinhole camera. Both sides of a
+/// triangle are drawn; where two meshes meet the nearer one wins, at equal depth the first drawn.
+class DepthRasterizer {
+ public:
+  static constexpr float kEmpty = std::numeric_limits<float>::infinity();
+  static constexpr uint32_t kNoId = 0xffffffffU;
+
+  explicit DepthRasterizer(const CameraModel& camera);
+
+  /// Empties the buffers for a new image.
+  void Clear();
+  /// Draws a mesh. Triangles that reach nearer than `kNear` m are clipped there.
+  /// @param mesh_id what ids() shall tell of the pixels that it wins.
+  /// @return the pixels that it may have touched.
+  PixelWindow Draw(const TriangleMesh& mesh, const Pose& T_camera_mesh, uint32_t mesh_id = 0);
+
+  /// Depth along z, m; kEmpty where nothing was drawn. width * height values.
+  [[nodiscard]] std::span<const float> depth() const { return depth_; }
+  /// mesh_id of the pixel's winner, kNoId where nothing was drawn.
+  [[nodiscard]] std::span<const uint32_t> mesh_ids() const { return mesh_ids_; }
+  /// Index of the winner's triangle in its mesh; kNoId where nothing was drawn.
+  [[nodiscard]] std::span<const uint32_t> triangle_ids() const { return triangle_ids_; }
+  [[nodiscard]] const CameraModel& camera() const { return camera_; }
+
+  static constexpr float kNear = 0.05F;  ///< m
+
+ private:
+  void DrawTriangle(const Eigen::Vector3f& a,
+                    const Eigen::Vector3f& b,
+                    const Eigen::Vector3f& c,
+                    uint32_t mesh_id,
+                    uint32_t triangle_id,
+                    PixelWindow* touched);
+
+  CameraModel camera_;
+  std::vector<float> depth_;
+  std::vector<uint32_t> mesh_ids_;
+  std::vector<uint32_t> triangle_ids_;
+  std::vector<Eigen::Vector3f> p_camera_;  // Reused: vertices of the mesh in hand.
+};
+
+}  // namespace vantage
