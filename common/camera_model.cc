@@ -9,8 +9,9 @@ namespace vantage {
 Result<void> CameraModel::Validate() const {
   constexpr int kLargest = 16384;
   if (width < 1 || width > kLargest || height < 1 || height > kLargest) {
-    return Error{ErrorCode::kInvalidArgument,
-                 Format("camera image of %d x %d px, expected 1 to %d each", width, height, kLargest)};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        Format("camera image of %d x %d px, expected 1 to %d each", width, height, kLargest)};
   }
   if (!(std::isfinite(fx) && fx > 0.0 && std::isfinite(fy) && fy > 0.0)) {
     return Error{ErrorCode::kInvalidArgument,

@@ -13,9 +13,9 @@ namespace vantage {
 }  // namespace vantage
 
 /// Stops the program when an invariant fails. Never used on what comes from outside.
-#define VANTAGE_CHECK(condition, detail)                                      \
-  do {                                                                        \
-    if (!(condition)) [[unlikely]] {                                          \
-      ::vantage::CheckFailed(__FILE__, __LINE__, #condition, detail);         \
-    }                                                                         \
+#define VANTAGE_CHECK(condition, detail)                              \
+  do {                                                                \
+    if (!(condition)) [[unlikely]] {                                  \
+      ::vantage::CheckFailed(__FILE__, __LINE__, #condition, detail); \
+    }                                                                 \
   } while (false)

@@ -86,9 +86,11 @@ void DepthRasterizer::DrawTriangle(const Eigen::Vector3f& a,
     return;  // Outside, or not finite.
   }
   const int u0 = static_cast<int>(std::ceil(std::max(left, 0.0F)));
-  const int u1 = static_cast<int>(std::floor(std::min(right, static_cast<float>(camera_.width - 1))));
+  const int u1 =
+      static_cast<int>(std::floor(std::min(right, static_cast<float>(camera_.width - 1))));
   const int v0 = static_cast<int>(std::ceil(std::max(top, 0.0F)));
-  const int v1 = static_cast<int>(std::floor(std::min(bottom, static_cast<float>(camera_.height - 1))));
+  const int v1 =
+      static_cast<int>(std::floor(std::min(bottom, static_cast<float>(camera_.height - 1))));
 
   const float area = (ub - ua) * (vc - va) - (uc - ua) * (vb - va);
   if (area == 0.0F || u0 > u1 || v0 > v1) return;

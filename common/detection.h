@@ -12,18 +12,18 @@ namespace vantage {
 /// image.
 struct Detection {
   std::string model_id;
-  int cluster = 0;                          ///< Segment of the image; hypotheses of one exclude each other.
+  int cluster = 0;  ///< Segment of the image; hypotheses of one exclude each other.
   Pose T_camera_object = Pose::Identity();
-  double mse = 0.0;                         ///< m^2, explained pixels to the model's surface (eq. 4)
-  double inlier_fraction = 0.0;             ///< [0, 1], of the visible model pixels confirmed
-  double verification_score = 0.0;          ///< [0, 1], inliers less see-through violations
+  double mse = 0.0;                 ///< m^2, explained pixels to the model's surface (eq. 4)
+  double inlier_fraction = 0.0;     ///< [0, 1], of the visible model pixels confirmed
+  double verification_score = 0.0;  ///< [0, 1], inliers less see-through violations
 };
 
 /// All that one estimator found in one image; empty is a normal result.
 struct DetectionSet {
-  int64_t utime = 0;                       ///< us, of the image
-  int64_t seq = 0;                         ///< counts sets of this estimator
-  std::string channel;                     ///< LCM channel that it came on; empty inside an estimator
+  int64_t utime = 0;    ///< us, of the image
+  int64_t seq = 0;      ///< counts sets of this estimator
+  std::string channel;  ///< LCM channel that it came on; empty inside an estimator
   std::string camera;
   int64_t image_seq = 0;
   std::string estimator;

@@ -7,8 +7,10 @@ namespace vantage {
 void PoseBuffer::Add(int64_t utime, const Pose& T_world_camera) {
   if (!entries_.empty() && utime < entries_.back().utime - parameters_.horizon_us) entries_.clear();
   Entry entry{utime, T_world_camera.translation(), Eigen::Quaterniond(T_world_camera.linear())};
-  const auto place = std::lower_bound(
-      entries_.begin(), entries_.end(), utime, [](const Entry& a, int64_t b) { return a.utime < b; });
+  const auto place =
+      std::lower_bound(entries_.begin(), entries_.end(), utime, [](const Entry& a, int64_t b) {
+        return a.utime < b;
+      });
   if (place != entries_.end() && place->utime == utime) {
     *place = entry;
   } else {
@@ -20,8 +22,10 @@ void PoseBuffer::Add(int64_t utime, const Pose& T_world_camera) {
 }
 
 std::optional<Pose> PoseBuffer::At(int64_t utime) const {
-  const auto after = std::lower_bound(
-      entries_.begin(), entries_.end(), utime, [](const Entry& a, int64_t b) { return a.utime < b; });
+  const auto after =
+      std::lower_bound(entries_.begin(), entries_.end(), utime, [](const Entry& a, int64_t b) {
+        return a.utime < b;
+      });
   if (after == entries_.end()) return std::nullopt;
   Pose pose = Pose::Identity();
   if (after->utime == utime) {

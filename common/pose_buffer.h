@@ -12,9 +12,9 @@ namespace vantage {
 class PoseBuffer {
  public:
   struct Parameters {
-    int64_t horizon_us = 10'000'000;     ///< us; older poses are forgotten
-    int64_t largest_gap_us = 200'000;    ///< us; no interpolation across a longer silence
-    double rest_translation = 0.0005;    ///< m; at rest if it moved less than this
+    int64_t horizon_us = 10'000'000;       ///< us; older poses are forgotten
+    int64_t largest_gap_us = 200'000;      ///< us; no interpolation across a longer silence
+    double rest_translation = 0.0005;      ///< m; at rest if it moved less than this
     double rest_rotation = 0.1 * kDegree;  ///< rad; and turned less than this
   };
 

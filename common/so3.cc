@@ -70,8 +70,7 @@ double GeodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 Eigen::Quaterniond ExpSo3(const Eigen::Vector3d& rotation_vector) {
   const double angle = rotation_vector.norm();
   // sin(angle / 2) / angle, by its series where the quotient would lose digits.
-  const double scale =
-      angle < 1e-4 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+  const double scale = angle < 1e-4 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
   Eigen::Quaterniond q;
   q.w() = std::cos(0.5 * angle);
   q.vec() = scale * rotation_vector;

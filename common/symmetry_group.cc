@@ -66,8 +66,7 @@ Eigen::Quaterniond NearestEquivalent(const SymmetryGroup& group,
   } else {
     candidates.push_back(BestTwist(q, reference, group.axis));
     if (group.flips) {
-      const Eigen::Quaterniond flip =
-          ExpSo3(std::numbers::pi * group.axis.unitOrthogonal());
+      const Eigen::Quaterniond flip = ExpSo3(std::numbers::pi * group.axis.unitOrthogonal());
       candidates.push_back(BestTwist(q * flip, reference, group.axis));
     }
   }

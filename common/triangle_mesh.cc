@@ -49,7 +49,8 @@ double TriangleMesh::Diameter() const {
     const double z = (i + 0.5) / kDirections;
     const double angle = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
     const double r = std::sqrt(1.0 - z * z);
-    const Eigen::Vector3f direction = Eigen::Vector3d(r * std::cos(angle), r * std::sin(angle), z).cast<float>();
+    const Eigen::Vector3f direction =
+        Eigen::Vector3d(r * std::cos(angle), r * std::sin(angle), z).cast<float>();
     float lowest = std::numeric_limits<float>::max();
     float highest = std::numeric_limits<float>::lowest();
     Eigen::Vector3f low = Eigen::Vector3f::Zero();
@@ -82,9 +83,8 @@ std::vector<SurfacePoint> SampleSurface(const TriangleMesh& mesh, size_t count, 
   for (SurfacePoint& point : points) {
     const double pick = rng.Uniform() * total;
     const auto found = std::upper_bound(cumulative.begin(), cumulative.end(), pick);
-    const auto triangle = static_cast<size_t>(
-        std::min<std::ptrdiff_t>(found - cumulative.begin(),
-                                 static_cast<std::ptrdiff_t>(cumulative.size()) - 1));
+    const auto triangle = static_cast<size_t>(std::min<std::ptrdiff_t>(
+        found - cumulative.begin(), static_cast<std::ptrdiff_t>(cumulative.size()) - 1));
     const double root = std::sqrt(rng.Uniform());
     const double along = rng.Uniform();
     const auto& [a, b, c] = mesh.triangles[triangle];

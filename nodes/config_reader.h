@@ -47,6 +47,8 @@ class ConfigReader {
     void ReadPath(const std::string& key, std::filesystem::path* value);
 
     [[nodiscard]] bool Has(const std::string& key) const;
+    /// True when the key was read, or its table taken, before.
+    [[nodiscard]] bool WasAsked(const std::string& key) const;
     /// An error at Finish() when the key is absent.
     void Require(const std::string& key);
     /// A table of this table; an empty one when it is absent.

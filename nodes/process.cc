@@ -1,0 +1,143 @@
+#include "nodes/process.h"
+
+#include <pthread.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <stop_token>
+#include <thread>
+
+#include "bus/live_bus.h"
+#include "bus/process_name_lock.h"
+
+namespace vantage {
+namespace {
+
+constexpr int kBadInput = 2;
+
+int Fail(const std::string& name, const Error& error) {
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), error.message.c_str());
+  return kBadInput;
+}
+
+struct BusSettings {
+  std::string url;
+  int receive_buffer_bytes = 4 << 20;
+  int min_receive_buffer_bytes = 128 << 10;
+};
+
+BusSettings ReadBusSettings(ConfigReader& config) {
+  BusSettings settings;
+  ConfigReader::Table table = config.Root().Sub("bus");
+  table.Read("url", &settings.url);
+  table.Read("receive_buffer_bytes", &settings.receive_buffer_bytes, 4096, 1 << 30);
+  table.Read("min_receive_buffer_bytes", &settings.min_receive_buffer_bytes, 0, 1 << 30);
+  return settings;
+}
+
+// Turns the first SIGINT or SIGTERM into a stop; blocked before any thread starts, so that only
+// this thread ever sees them.
+class SignalStop {
+ public:
+  SignalStop() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    sigaddset(&signals_, SIGUSR2);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    waiter_ = std::thread([this] {
+      int signal = 0;
+      sigwait(&signals_, &signal);
+      source_.request_stop();
+    });
+  }
+  ~SignalStop() {
+    pthread_kill(waiter_.native_handle(), SIGUSR2);
+    waiter_.join();
+  }
+  SignalStop(const SignalStop&) = delete;
+  SignalStop& operator=(const SignalStop&) = delete;
+
+  [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  sigset_t signals_{};
+  std::stop_source source_;
+  std::thread waiter_;
+};
+
+}  // namespace
+
+void IgnoreTablesOfOthers(ConfigReader& config) {
+  ConfigReader::Table root = config.Root();
+  for (const char* table : {"bus",
+                            "camera",
+                            "models",
+                            "segmentation",
+                            "ppf",
+                            "verification",
+                            "refinement",
+                            "fusion",
+                            "planner",
+                            "sim"}) {
+    if (!root.WasAsked(table)) root.Sub(table).IgnoreAll();
+  }
+}
+
+int RunProcess(int argc,
+               char** argv,
+               const std::string& default_name,
+               const std::string& description,
+               const NodeFactory& make_node) {
+  ProcessOptions options;
+  options.name = default_name;
+  std::string config_file;
+  std::string url;
+  CLI::App app(description, "vantage-" + default_name);
+  app.set_version_flag("--version", VANTAGE_VERSION);
+  app.add_option("--config,-c", config_file, "TOML file of the set-up")->required();
+  app.add_option("--lcm-url", url, "LCM URL; default: [bus] url, then LCM_DEFAULT_URL");
+  app.add_option("--name", options.name, "name of this process, unique on the bus")
+      ->capture_default_str();
+  app.add_flag("--fresh", options.fresh, "start anew, forgetting a saved state");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : kBadInput;
+  }
+
+  Result<ConfigReader> config = ConfigReader::Open(config_file);
+  if (!config) return Fail(options.name, config.error());
+  const BusSettings settings = ReadBusSettings(*config);
+
+  const SignalStop stop;
+  LiveBus::Options bus_options;
+  bus_options.url = url.empty() ? settings.url : url;
+  bus_options.process_name = options.name;
+  bus_options.version = VANTAGE_VERSION;
+  bus_options.config_hash = config->Hash();
+  bus_options.receive_buffer_bytes = settings.receive_buffer_bytes;
+  bus_options.min_receive_buffer_bytes = settings.min_receive_buffer_bytes;
+  Result<std::unique_ptr<LiveBus>> bus = LiveBus::Create(bus_options);
+  if (!bus) return Fail(options.name, bus.error());
+  Result<ProcessNameLock> lock = ProcessNameLock::Acquire(options.name, (*bus)->url());
+  if (!lock) return Fail(options.name, lock.error());
+
+  Result<std::unique_ptr<Node>> node = make_node(**bus, *config, options);
+  if (!node) return Fail(options.name, node.error());
+  if (Result<void> read = config->Finish(); !read) return Fail(options.name, read.error());
+  std::fprintf(stderr,
+               "%s %s: config %s (%s), %s\n",
+               options.name.c_str(),
+               VANTAGE_VERSION,
+               config_file.c_str(),
+               config->Hash().c_str(),
+               (*bus)->url().c_str());
+  (*bus)->Run(
+      stop.token(), [&node] { (*node)->Poll(); }, (*node)->poll_interval());
+  return 0;
+}
+
+}  // namespace vantage
