@@ -14,12 +14,16 @@ function(vantage_library name)
   vantage_set_warnings(${name})
 endfunction()
 
+# Everything that runs: what tools/demo builds.
+add_custom_target(programs)
+
 # A program of ours: vantage_program(NAME SOURCES ... LINK ...).
 function(vantage_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINK})
   vantage_set_warnings(${name})
+  add_dependencies(programs ${name})
   install(TARGETS ${name})
 endfunction()
 
