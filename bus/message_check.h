@@ -27,12 +27,14 @@ Result<Message> DecodeChecked(std::span<const std::byte> bytes) {
     Message message{};
     if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) !=
         static_cast<int>(bytes.size())) {
-      return Error{ErrorCode::kCorrupt,
-                   std::string(Message::getTypeName()) + ": decoded length differs from the message's"};
+      return Error{
+          ErrorCode::kCorrupt,
+          std::string(Message::getTypeName()) + ": decoded length differs from the message's"};
     }
     return message;
   } catch (const std::exception& exception) {
-    return Error{ErrorCode::kCorrupt, std::string(Message::getTypeName()) + ": " + exception.what()};
+    return Error{ErrorCode::kCorrupt,
+                 std::string(Message::getTypeName()) + ": " + exception.what()};
   }
 }
 

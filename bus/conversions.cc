@@ -1,0 +1,190 @@
+#include "bus/conversions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/format.h"
+
+namespace vantage {
+namespace {
+
+constexpr size_t kMaxName = 64;
+constexpr size_t kMaxDetections = 10'000;
+constexpr double kDepthUnit = 0.001;  // m, of DEPTH_MM
+
+bool IsName(const std::string& text) {
+  return text.size() <= kMaxName && std::ranges::all_of(text, [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                  c == '_' || c == '-' || c == '.';
+         });
+}
+
+Error BadName(const char* what, const std::string& text) {
+  return {ErrorCode::kInvalidArgument,
+          Format("detections_t.%s is '%.80s', expected up to 64 letters, digits, '_', '-' or '.'",
+                 what,
+                 text.c_str())};
+}
+
+Error OutOfRange(const std::string& what, double value, const char* expected) {
+  return {ErrorCode::kInvalidArgument,
+          Format("%s is %g, expected %s", what.c_str(), value, expected)};
+}
+
+// Range checks are written so that NaN fails.
+bool InUnitInterval(double value) { return value >= 0.0 && value <= 1.0; }
+bool IsFiniteAndNotNegative(double value) { return std::isfinite(value) && value >= 0.0; }
+
+void StorePose(const Pose& pose, double* trans, double* quat) {
+  const Eigen::Quaterniond q(pose.linear());
+  for (int i = 0; i < 3; ++i) trans[i] = pose.translation()[i];
+  quat[0] = q.w();
+  quat[1] = q.x();
+  quat[2] = q.y();
+  quat[3] = q.z();
+}
+
+Result<Detection> DetectionFromMessage(const detection_t& message) {
+  if (message.model_id.empty() || !IsName(message.model_id)) {
+    return BadName("detections.model_id", message.model_id);
+  }
+  Result<Pose> pose = PoseFromWire(message.trans, message.quat);
+  if (!pose) return pose.error();
+  const std::string name = "detections_t.detections(" + message.model_id + ").";
+  if (message.cluster < 0) return OutOfRange(name + "cluster", message.cluster, "0 or more");
+  if (!IsFiniteAndNotNegative(message.mse)) {
+    return OutOfRange(name + "mse", message.mse, "0 or more");
+  }
+  if (!InUnitInterval(message.inlier_fraction)) {
+    return OutOfRange(name + "inlier_fraction", message.inlier_fraction, "0 to 1");
+  }
+  if (!InUnitInterval(message.verification_score)) {
+    return OutOfRange(name + "verification_score", message.verification_score, "0 to 1");
+  }
+  return Detection{.model_id = message.model_id,
+                   .cluster = message.cluster,
+                   .T_camera_object = *pose,
+                   .mse = message.mse,
+                   .inlier_fraction = message.inlier_fraction,
+                   .verification_score = message.verification_score};
+}
+
+}  // namespace
+
+Result<Pose> PoseFromMessage(const rigid_transform_t& message) {
+  return PoseFromWire(message.trans, message.quat);
+}
+
+rigid_transform_t PoseToMessage(const Pose& T_world_camera, int64_t utime) {
+  rigid_transform_t message{};
+  message.utime = utime;
+  StorePose(T_world_camera, message.trans, message.quat);
+  return message;
+}
+
+Result<CameraModel> CameraFromMessage(const camera_info_t& message) {
+  const CameraModel camera{.width = message.width,
+                           .height = message.height,
+                           .fx = message.fx,
+                           .fy = message.fy,
+                           .cx = message.cx,
+                           .cy = message.cy};
+  if (Result<void> valid = camera.Validate(); !valid) return valid.error();
+  if (!(message.depth_unit > 0.0) || !std::isfinite(message.depth_unit)) {
+    return OutOfRange("camera_info_t.depth_unit", message.depth_unit, "a positive length in m");
+  }
+  const bool straight =
+      std::ranges::all_of(message.distortion, [](double value) { return value == 0.0; });
+  if (message.distortion_model != "none" && !straight) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        Format("camera_info_t.distortion_model is '%.40s' with coefficients that are not 0, "
+               "expected 'none': images must be undistorted before they are published",
+               message.distortion_model.c_str())};
+  }
+  return camera;
+}
+
+camera_info_t CameraToMessage(const CameraModel& camera,
+                              const CameraIdentity& identity,
+                              int64_t utime,
+                              int64_t seq) {
+  camera_info_t message{};
+  message.utime = utime;
+  message.seq = seq;
+  message.name = identity.name;
+  message.serial = identity.serial;
+  message.frame = identity.frame;
+  message.width = camera.width;
+  message.height = camera.height;
+  message.fx = camera.fx;
+  message.fy = camera.fy;
+  message.cx = camera.cx;
+  message.cy = camera.cy;
+  message.distortion_model = "none";
+  message.num_distortion = 0;
+  message.depth_unit = kDepthUnit;
+  message.registered = identity.registered ? 1 : 0;
+  message.calibration_id = identity.calibration_id;
+  return message;
+}
+
+Result<DetectionSet> DetectionsFromMessage(const detections_t& message,
+                                           const std::string& channel) {
+  if (!IsName(message.camera)) return BadName("camera", message.camera);
+  if (!IsName(message.estimator)) return BadName("estimator", message.estimator);
+  Result<Pose> T_world_camera = PoseFromWire(message.camera_trans, message.camera_quat);
+  if (!T_world_camera) return T_world_camera.error();
+  if (!IsFiniteAndNotNegative(message.compute_time)) {
+    return OutOfRange("detections_t.compute_time", message.compute_time, "0 s or more");
+  }
+  if (message.num_clusters < 0) {
+    return OutOfRange("detections_t.num_clusters", message.num_clusters, "0 or more");
+  }
+  if (message.detections.size() > kMaxDetections) {
+    return OutOfRange("detections_t.num_detections", message.num_detections, "10,000 at most");
+  }
+  DetectionSet set{.utime = message.utime,
+                   .seq = message.seq,
+                   .channel = channel,
+                   .camera = message.camera,
+                   .image_seq = message.image_seq,
+                   .estimator = message.estimator,
+                   .T_world_camera = *T_world_camera,
+                   .compute_time = message.compute_time,
+                   .num_clusters = message.num_clusters,
+                   .detections = {}};
+  set.detections.reserve(message.detections.size());
+  for (const detection_t& each : message.detections) {
+    Result<Detection> detection = DetectionFromMessage(each);
+    if (!detection) return detection.error();
+    set.detections.push_back(*std::move(detection));
+  }
+  return set;
+}
+
+detections_t DetectionsToMessage(const DetectionSet& set) {
+  detections_t message{};
+  message.utime = set.utime;
+  message.seq = set.seq;
+  message.camera = set.camera;
+  message.image_seq = set.image_seq;
+  message.estimator = set.estimator;
+  StorePose(set.T_world_camera, message.camera_trans, message.camera_quat);
+  message.compute_time = set.compute_time;
+  message.num_clusters = set.num_clusters;
+  message.num_detections = static_cast<int32_t>(set.detections.size());
+  for (const Detection& each : set.detections) {
+    detection_t detection{};
+    detection.model_id = each.model_id;
+    detection.cluster = each.cluster;
+    StorePose(each.T_camera_object, detection.trans, detection.quat);
+    detection.mse = each.mse;
+    detection.inlier_fraction = each.inlier_fraction;
+    detection.verification_score = each.verification_score;
+    message.detections.push_back(std::move(detection));
+  }
+  return message;
+}
+
+}  // namespace vantage

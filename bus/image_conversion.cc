@@ -1,0 +1,172 @@
+#include "bus/image_conversion.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "common/check.h"
+#include "common/format.h"
+
+namespace vantage {
+namespace {
+
+constexpr size_t kMaxZlibRatio = 1032;  // deflate never expands more (zlib's technical notes)
+
+Error Malformed(const image_t& image, const std::string& expected) {
+  return {ErrorCode::kCorrupt,
+          Format("depth image of %d x %d px, row stride %d, %zu bytes: expected %s",
+                 image.width,
+                 image.height,
+                 image.row_stride,
+                 image.data.size(),
+                 expected.c_str())};
+}
+
+// Exactly `size` bytes, or nothing. Allocates no more than the stream can hold.
+bool Inflate(const std::vector<uint8_t>& stream, size_t size, std::vector<uint8_t>* bytes) {
+  if (size > kMaxZlibRatio * (stream.size() + 1)) return false;
+  bytes->resize(size);
+  uLongf length = size;
+  uLong consumed = stream.size();
+  return uncompress2(bytes->data(), &length, stream.data(), &consumed) == Z_OK && length == size &&
+         consumed == stream.size();
+}
+
+uint16_t LoadLittleEndian16(const uint8_t* bytes) {
+  return static_cast<uint16_t>(bytes[0] | (bytes[1] << 8));
+}
+
+std::vector<uint8_t> ToBytes(std::span<const uint16_t> values) {
+  std::vector<uint8_t> bytes(2 * values.size());
+  for (size_t i = 0; i < values.size(); ++i) {
+    bytes[2 * i] = static_cast<uint8_t>(values[i] & 0xffU);
+    bytes[2 * i + 1] = static_cast<uint8_t>(values[i] >> 8U);
+  }
+  return bytes;
+}
+
+std::vector<uint8_t> Deflate(const std::vector<uint8_t>& bytes) {
+  uLongf length = compressBound(bytes.size());
+  std::vector<uint8_t> stream(length);
+  const int status = compress2(stream.data(), &length, bytes.data(), bytes.size(), 1);
+  VANTAGE_CHECK(status == Z_OK, "zlib refuses a buffer of its own bound");
+  stream.resize(length);
+  return stream;
+}
+
+image_metadata_t Metadata(const std::string& key, std::vector<uint8_t> value) {
+  image_metadata_t metadata{};
+  metadata.key = key;
+  metadata.n = static_cast<int32_t>(value.size());
+  metadata.value = std::move(value);
+  return metadata;
+}
+
+const image_metadata_t* FindMetadata(const image_t& image, const std::string& key) {
+  const auto found = std::ranges::find(image.metadata, key, &image_metadata_t::key);
+  return found == image.metadata.end() ? nullptr : &*found;
+}
+
+Result<DepthImage> DepthFromImage(const image_t& image, bool zipped) {
+  if (image.width < 1 || image.height < 1 || image.width > kMaxImageSide ||
+      image.height > kMaxImageSide) {
+    return Malformed(image, Format("sides of 1 to %d px", kMaxImageSide));
+  }
+  const size_t width = static_cast<size_t>(image.width);
+  const size_t height = static_cast<size_t>(image.height);
+  const size_t row = 2 * width;
+  const size_t stride = image.row_stride < 0 ? 0 : static_cast<size_t>(image.row_stride);
+  std::vector<uint8_t> inflated;
+  if (zipped) {
+    if (stride != row) return Malformed(image, Format("a row stride of %zu", row));
+    if (!Inflate(image.data, row * height, &inflated)) {
+      return Malformed(image, Format("a zlib stream of exactly %zu bytes", row * height));
+    }
+  } else if (stride < row || image.data.size() != stride * height) {
+    return Malformed(image, Format("a row stride of %zu or more, times height in bytes", row));
+  }
+  const std::vector<uint8_t>& bytes = zipped ? inflated : image.data;
+  DepthImage depth(image.width, image.height);
+  for (size_t v = 0; v < height; ++v) {
+    for (size_t u = 0; u < width; ++u) {
+      const uint16_t millimetres = LoadLittleEndian16(&bytes[v * stride + 2 * u]);
+      if (millimetres != 0) depth.depth[v * width + u] = 1e-3F * static_cast<float>(millimetres);
+    }
+  }
+  return depth;
+}
+
+}  // namespace
+
+Result<DepthFrame> DepthFrameFromMessage(const images_t& message) {
+  const size_t num_images = std::min(message.images.size(), message.image_types.size());
+  for (size_t i = 0; i < num_images; ++i) {
+    const bool zipped = message.image_types[i] == images_t::DEPTH_MM_ZIPPED;
+    if (!zipped && message.image_types[i] != images_t::DEPTH_MM) continue;
+    const image_t& image = message.images[i];
+    Result<DepthImage> depth = DepthFromImage(image, zipped);
+    if (!depth) return depth.error();
+    DepthFrame frame{
+        .utime = message.utime, .seq = ImageSeq(image), .serial = {}, .image = *std::move(depth)};
+    if (const image_metadata_t* serial = FindMetadata(image, "serial"); serial != nullptr) {
+      frame.serial.assign(serial->value.begin(), serial->value.end());
+    }
+    return frame;
+  }
+  return Error{ErrorCode::kNotFound,
+               Format("images_t with %zu images has no depth, expected one of type %d or %d",
+                      num_images,
+                      images_t::DEPTH_MM,
+                      images_t::DEPTH_MM_ZIPPED)};
+}
+
+images_t DepthToMessage(int width,
+                        int height,
+                        std::span<const uint16_t> millimetres,
+                        int64_t utime,
+                        int64_t seq,
+                        const std::string& serial,
+                        DepthCompression compression) {
+  VANTAGE_CHECK(width > 0 && height > 0 &&
+                    millimetres.size() == static_cast<size_t>(width) * static_cast<size_t>(height),
+                "a depth image has width * height values");
+  image_t image{};
+  image.utime = utime;
+  image.width = width;
+  image.height = height;
+  image.row_stride = 2 * width;
+  image.pixelformat = image_t::PIXEL_FORMAT_INVALID;
+  image.data = ToBytes(millimetres);
+  if (compression == DepthCompression::kZlib) image.data = Deflate(image.data);
+  std::vector<uint8_t> seq_bytes(8);
+  for (size_t i = 0; i < 8; ++i) {
+    seq_bytes[i] = static_cast<uint8_t>((static_cast<uint64_t>(seq) >> (8 * i)) & 0xffU);
+  }
+  image.metadata.push_back(Metadata("seq", std::move(seq_bytes)));
+  image.metadata.push_back(Metadata("serial", {serial.begin(), serial.end()}));
+
+  images_t message{};
+  message.utime = utime;
+  const bool zipped = compression == DepthCompression::kZlib;
+  AppendImage(zipped ? images_t::DEPTH_MM_ZIPPED : images_t::DEPTH_MM, std::move(image), &message);
+  return message;
+}
+
+void AppendImage(int16_t type, image_t image, images_t* message) {
+  image.size = static_cast<int32_t>(image.data.size());
+  image.nmetadata = static_cast<int32_t>(image.metadata.size());
+  message->image_types.push_back(type);
+  message->images.push_back(std::move(image));
+  message->n_images = static_cast<int32_t>(message->images.size());
+}
+
+int64_t ImageSeq(const image_t& image) {
+  const image_metadata_t* metadata = FindMetadata(image, "seq");
+  if (metadata == nullptr || metadata->value.size() != 8) return -1;
+  uint64_t seq = 0;
+  for (size_t i = 8; i-- > 0;) seq = (seq << 8U) | metadata->value[i];
+  return static_cast<int64_t>(seq);
+}
+
+}  // namespace vantage
