@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/camera_model.h"
+#include "common/depth_image.h"
+#include "common/depth_rasterizer.h"
+#include "drivers/sim/scene.h"
+
+namespace vantage {
+
+/// What an ideal camera sees, pixel by pixel.
+struct RenderedView {
+  static constexpr uint32_t kNoSurface = DepthRasterizer::kNoId;
+
+  CameraModel camera;
+  DepthImage depth;  ///< m; NaN where there is no surface
+  /// |cosine| of the angle between the ray and the surface's normal; 0 where there is no surface.
+  std::vector<float> cos_incidence;
+  std::vector<uint32_t> surface;  ///< index of the object; Table() or Floor(); kNoSurface
+};
+
+/// Renders a scene's depth, its surfaces and the angles at which the rays meet them.
+class SceneRenderer {
+ public:
+  SceneRenderer(const SimScene& scene, const CameraModel& camera);
+
+  /// The view from a pose; valid until the next call.
+  const RenderedView& Render(const Pose& T_world_camera);
+
+  /// RenderedView::surface of the table, and of the floor.
+  [[nodiscard]] uint32_t Table() const { return num_objects_; }
+  [[nodiscard]] uint32_t Floor() const { return num_objects_ + 1; }
+
+ private:
+  struct Body {
+    TriangleMesh mesh;
+    Pose T_world_body = Pose::Identity();
+    uint32_t surface = 0;
+    std::vector<Eigen::Vector3f> normals;         // By triangle, in the body's frame.
+    std::vector<Eigen::Vector3f> normals_camera;  // Reused: the same in the camera's frame.
+  };
+
+  void AddBody(TriangleMesh mesh, const Pose& T_world_body, uint32_t surface);
+  void FillView();
+
+  uint32_t num_objects_;
+  DepthRasterizer rasterizer_;
+  std::vector<Body> bodies_;
+  RenderedView view_;
+};
+
+}  // namespace vantage

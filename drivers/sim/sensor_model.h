@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/camera_model.h"
+#include "common/depth_image.h"
+#include "drivers/sim/noise_tile.h"
+#include "drivers/sim/scene_renderer.h"
+#include "drivers/sim/sensor_parameters.h"
+
+namespace vantage {
+
+/// Turns an ideal view into what the sensor reports. The same frame of the same seed is the same
+/// always, whatever was asked for before.
+class SensorModel {
+ public:
+  SensorModel(const SensorModelParameters& parameters, const CameraModel& camera);
+
+  /// @param view of the camera that was given.
+  /// @param time s since the device's start, for the bias.
+  /// @param measured depth, m; NaN where nothing is measured. Its buffer is reused.
+  void Measure(const RenderedView& view, int64_t frame, double time, DepthImage* measured);
+
+  /// The bias alone: disparity, px, at a pixel for a true disparity and a time.
+  [[nodiscard]] double BiasDisparity(double u, double v, double disparity, double time) const;
+
+ private:
+  struct BiasWave {
+    double ku, kv, phase, drift;  // rad/px, rad/px, rad, rad/s
+  };
+  static constexpr int kBiasCell = 16;        // px
+  static constexpr size_t kAngleSteps = 256;  // Of the tables over cos_incidence.
+
+  void MakeTables();
+  void MakeBias();
+  [[nodiscard]] double BiasField(double u, double v, double time) const;
+  [[nodiscard]] float BiasDepthTerm(float disparity) const;
+  void FillBiasGrid(double time);
+  void InterpolateBiasRow(int v);
+  void DropAtGrazing(const RenderedView& view, const NoiseTile::Window& noise);
+  void CastShadows();
+  void ShiftEdges(const RenderedView& view,
+                  const NoiseTile::Window& along_u,
+                  const NoiseTile::Window& along_v);
+  void MeasureRow(const RenderedView& view, int v, const NoiseTile::Window* noise, float* out);
+
+  SensorModelParameters parameters_;
+  CameraModel camera_;
+  double focal_baseline_;  // px m, at 640 px
+  double vga_scale_;       // px of the 640 px image in one px of ours
+  NoiseTile tile_;
+  std::vector<BiasWave> bias_waves_;
+  double bias_amplitude_ = 0.0;  // px
+  std::vector<float> bias_depth_term_;
+  // Over cos_incidence: px of lateral sigma, m^(3/2) of grazing sigma, threshold of dropout.
+  std::vector<float> lateral_table_, grazing_table_, dropout_table_;
+  // Reused.
+  std::vector<float> disparity_, observed_, projector_, bias_grid_, bias_row_;
+};
+
+}  // namespace vantage
