@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bus/message_check.h"
+#include "bus/sequence_tracker.h"
 #include "common/result.h"
 
 namespace vantage {
@@ -26,6 +27,7 @@ struct SubscribeOptions {
 struct Envelope {
   std::string channel;
   int64_t receive_utime = 0;  ///< us since the epoch at arrival; of the event, from a log
+  int64_t num_skipped = 0;    ///< of this channel and subscription, let go since the last one
 };
 
 /// Where nodes send and receive, on the wire (LiveBus) or over a log (LogBus). Handlers run on the
@@ -36,19 +38,28 @@ class Bus {
   virtual ~Bus() = default;
 
   /// Calls `handler(envelope, message)` for messages of a type on a channel. A channel is a name,
-  /// or a regular expression that must match the whole name.
+  /// or a regular expression that must match the whole name. Gaps in the message's seq, where it
+  /// has one, are recorded as lost.
   template <class Message, class Handler>
   Result<void> Subscribe(const std::string& channel, SubscribeOptions options, Handler handler) {
-    return SubscribeBytes(
-        channel,
-        Message::getHash(),
-        options,
-        [handler = std::move(handler)](const Envelope& envelope, std::span<const std::byte> bytes) {
-          Result<Message> message = DecodeChecked<Message>(bytes);
-          if (!message) return false;
-          handler(envelope, *message);
-          return true;
-        });
+    return SubscribeBytes(channel,
+                          Message::getHash(),
+                          options,
+                          [this, handler = std::move(handler), sequence = SequenceTracker()](
+                              const Envelope& envelope, std::span<const std::byte> bytes) mutable {
+                            Result<Message> message = DecodeChecked<Message>(bytes);
+                            if (!message) return false;
+                            if constexpr (requires { message->seq; }) {
+                              std::string sender = envelope.channel;
+                              if constexpr (requires { message->name; })
+                                sender += '/' + message->name;
+                              const int64_t lost =
+                                  sequence.Add(sender, message->seq, envelope.num_skipped);
+                              if (lost > 0) RecordLost(envelope.channel, lost);
+                            }
+                            handler(envelope, *message);
+                            return true;
+                          });
   }
 
   /// Sends a message whose counts equal its vectors' sizes. Errors: the system refuses.
