@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/bus.h"
+#include "bus/channel_pattern.h"
+#include "bus/event_log.h"
+#include "bus/process_status.h"
+#include "vantage/log_header_t.hpp"
+
+namespace vantage {
+
+/// A recorded log in place of the wire: events come in the log's order, and what handlers publish
+/// for one is delivered, in turn, before the next. Nothing is ever let go: SubscribeOptions make no
+/// difference. What is published goes to the output log, stamped with the time of the event in
+/// hand. One thread, and the same output for the same log on every run.
+class LogBus : public Bus {
+ public:
+  struct Options {
+    /// Channels whose recorded events are not delivered, because nodes on this bus publish them
+    /// anew: a regular expression for the whole name. Empty: none.
+    std::string suppress;
+    /// First event of the output. Its utime and schemas are filled in.
+    log_header_t header{};
+  };
+
+  struct Counters {
+    int64_t num_events = 0;      ///< read
+    int64_t num_suppressed = 0;  ///< of these
+    int64_t num_delivered = 0;   ///< calls of handlers, for events and for what was published
+    int64_t num_published = 0;
+    int64_t num_lost = 0;                          ///< by gaps in seq
+    std::map<std::string, int64_t> decode_errors;  ///< by channel
+    std::string first_decode_error;                ///< in words; empty: none
+  };
+
+  /// Looks at the first event, whose time is NowUtime() before Run().
+  /// @param output may be null. The caller closes it after Run().
+  /// Errors: `suppress` is no regular expression.
+  static Result<std::unique_ptr<LogBus>> Create(const Options& options,
+                                                std::unique_ptr<EventLogReader> input,
+                                                EventLogWriter* output);
+
+  /// Delivers the next event and all that follows from it; false at the end of the log.
+  /// Errors: the output can't be written, or handlers answer each other without end.
+  Result<bool> Step();
+  /// Steps to the end.
+  Result<void> Run();
+
+  void RecordStage(const std::string& stage, double seconds) override;
+  void RecordLost(const std::string& channel, int64_t count) override;
+  void SetState(const std::string& state) override;
+  [[nodiscard]] int64_t NowUtime() const override { return now_utime_; }
+
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+  [[nodiscard]] const EventLogReader& input() const { return *input_; }
+  /// State and stages as the nodes recorded them; no channels.
+  [[nodiscard]] process_status_t Status();
+
+  static constexpr int kMaxAnswers = 100'000;  ///< messages published for one event
+
+ protected:
+  Result<void> SubscribeBytes(const std::string& channel,
+                              int64_t fingerprint,
+                              SubscribeOptions options,
+                              BytesHandler handler) override;
+  Result<void> PublishBytes(const std::string& channel, std::span<const std::byte> bytes) override;
+
+ private:
+  struct Subscription {
+    ChannelPattern channel;
+    int64_t fingerprint;
+    BytesHandler handler;
+  };
+  struct Message {
+    std::string channel;
+    std::vector<std::byte> bytes;
+  };
+
+  LogBus(const Options& options, std::unique_ptr<EventLogReader> input, EventLogWriter* output)
+      : header_(options.header), input_(std::move(input)), output_(output) {}
+
+  Result<void> WriteHeader();
+  Result<void> DeliverPublished();
+  void Deliver(const std::string& channel, std::span<const std::byte> bytes);
+
+  log_header_t header_;
+  std::unique_ptr<EventLogReader> input_;
+  EventLogWriter* output_;
+  std::optional<ChannelPattern> suppress_;
+  std::optional<LogEvent> next_;
+  bool started_ = false;
+  int64_t now_utime_ = 0;
+  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+  std::deque<Message> published_;
+  Counters counters_;
+  ProcessStatus status_;
+};
+
+/// The names and fingerprints of all message types.
+void FillSchemas(log_header_t* header);
+
+}  // namespace vantage
