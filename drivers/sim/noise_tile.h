@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/rng.h"
@@ -23,17 +24,22 @@ class NoiseTile {
   class Window {
    public:
     Window(const NoiseTile& tile, Rng& rng);
+    /// The value at a pixel, u and v >= 0.
     [[nodiscard]] float at(int u, int v) const {
       const auto x = static_cast<uint32_t>(u);
       const auto y = static_cast<uint32_t>(v);
-      constexpr float kHalf = 0.70710678F;  // sqrt(1/2): the sum has unit variance again.
       return kHalf * (values_[Index(x + u1_, y + v1_)] + values_[Index(x + u2_, y + v2_)]);
     }
+
+    /// Row v of the field, from u = 0.
+    void Row(int v, std::span<float> row) const;
 
    private:
     static size_t Index(uint32_t u, uint32_t v) {
       return static_cast<size_t>((v & (kHeight - 1)) * kWidth + (u & (kWidth - 1)));
     }
+    static constexpr float kHalf = 0.70710678F;  // sqrt(1/2): the sum has unit variance again.
+
     const float* values_;
     uint32_t u1_, v1_, u2_, v2_;
   };

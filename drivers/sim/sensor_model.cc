@@ -32,9 +32,6 @@ double NormalQuantile(double p) {
   return 0.5 * (lo + hi);
 }
 
-/// Nearest whole number of a value above -16.
-int RoundOffset(float value) { return static_cast<int>(value + 16.5F) - 16; }
-
 }  // namespace
 
 SensorModel::SensorModel(const SensorModelParameters& parameters, const CameraModel& camera)
@@ -51,7 +48,9 @@ SensorModel::SensorModel(const SensorModelParameters& parameters, const CameraMo
   disparity_.resize(size);
   observed_.resize(size);
   projector_.resize(static_cast<size_t>(camera.width + kProjectorMargin) + 1);
-  bias_row_.resize(static_cast<size_t>(camera.width));
+  projector_column_.resize(static_cast<size_t>(camera.width));
+  offset_row_.resize(static_cast<size_t>(camera.width));
+  noise_row_.resize(static_cast<size_t>(camera.width));
 }
 
 void SensorModel::MakeTables() {
@@ -104,8 +103,10 @@ double SensorModel::BiasField(double u, double v, double time) const {
 }
 
 float SensorModel::BiasDepthTerm(float disparity) const {
-  const auto step = static_cast<size_t>(disparity * static_cast<float>(1.0 / kBiasTermStep));
-  return bias_depth_term_[std::min(step, bias_depth_term_.size() - 1)];
+  constexpr float kSteps = static_cast<float>(1.0 / kBiasTermStep);
+  constexpr float kLast = static_cast<float>(kLargestDisparity) * kSteps;
+  return bias_depth_term_[static_cast<size_t>(
+      static_cast<int>(std::min(disparity * kSteps, kLast)))];
 }
 
 double SensorModel::BiasDisparity(double u, double v, double disparity, double time) const {
@@ -124,18 +125,23 @@ void SensorModel::FillBiasGrid(double time) {
   }
 }
 
-void SensorModel::InterpolateBiasRow(int v) {
+void SensorModel::AddBiasRow(int v) {
   const auto columns = static_cast<size_t>(camera_.width / kBiasCell + 2);
   const float* above = bias_grid_.data() + static_cast<size_t>(v / kBiasCell) * columns;
   const float* below = above + columns;
   constexpr float kPart = 1.0F / kBiasCell;
   const float part_v = kPart * static_cast<float>(v % kBiasCell);
-  for (int u = 0; u < camera_.width; ++u) {
-    const int cell = u / kBiasCell;
-    const float part_u = kPart * static_cast<float>(u % kBiasCell);
+  const float* truth = observed_.data() + static_cast<size_t>(v * camera_.width);
+  for (int u0 = 0; u0 < camera_.width; u0 += kBiasCell) {
+    const int cell = u0 / kBiasCell;
     const float left = above[cell] + part_v * (below[cell] - above[cell]);
     const float right = above[cell + 1] + part_v * (below[cell + 1] - above[cell + 1]);
-    bias_row_[static_cast<size_t>(u)] = left + part_u * (right - left);
+    const int count = std::min(kBiasCell, camera_.width - u0);
+    float* offset = offset_row_.data() + u0;
+    for (int i = 0; i < count; ++i) {
+      offset[i] +=
+          left + kPart * static_cast<float>(i) * (right - left) + BiasDepthTerm(truth[u0 + i]);
+    }
   }
 }
 
@@ -170,45 +176,54 @@ void SensorModel::Measure(const RenderedView& view,
   measured->depth.resize(observed_.size());
   if (parameters_.bias) FillBiasGrid(time);
   for (int v = 0; v < camera_.height; ++v) {
-    MeasureRow(view,
-               v,
-               parameters_.axial_noise ? &axial : nullptr,
-               measured->depth.data() + view.depth.Index(0, v));
+    std::fill(offset_row_.begin(), offset_row_.end(), 0.0F);
+    if (parameters_.axial_noise) AddNoiseRow(view, v, axial);
+    if (parameters_.bias) AddBiasRow(v);
+    MeasureRow(view, v, measured->depth.data() + view.depth.Index(0, v));
   }
 }
 
 void SensorModel::CastShadows() {
+  const auto width = static_cast<size_t>(camera_.width);
+  const auto steepest = static_cast<float>(vga_scale_);
+  for (int v = 0; v < camera_.height; ++v) {
+    float* row = disparity_.data() + static_cast<size_t>(v) * width;
+    // Where disparity grows by less than a pixel a pixel, the projector sees all in the same order.
+    int jumps = 0;
+    for (size_t u = 1; u < width; ++u) jumps += row[u] - row[u - 1] >= steepest ? 1 : 0;
+    if (jumps > 0) CastRowShadows({row, width});
+  }
+}
+
+void SensorModel::CastRowShadows(std::span<float> row) {
   // A point of disparity d px at column u lies in the projector's column u - d. What of a column is
   // nearest gets the light.
   const auto scale = static_cast<float>(1.0 / vga_scale_);
-  const auto width = static_cast<size_t>(camera_.width);
   constexpr float kOffset = static_cast<float>(kProjectorMargin) + 0.5F;
-  for (int v = 0; v < camera_.height; ++v) {
-    float* row = disparity_.data() + static_cast<size_t>(v) * width;
-    std::fill(projector_.begin(), projector_.end(), 0.0F);
-    size_t last_column = 0;
-    float last = 0.0F;
-    for (size_t u = 0; u < width; ++u) {
-      const float d = std::min(row[u] * scale, static_cast<float>(kProjectorMargin));
-      if (d > 0.0F) {
-        const auto column = static_cast<size_t>(static_cast<float>(u) - d + kOffset);
-        projector_[column] = std::max(projector_[column], d);
-        // A surface that recedes to the right covers columns between those of its pixels.
-        if (last > d && last - d < kSurfaceStep) {
-          for (size_t between = last_column + 1; between < column; ++between) {
-            projector_[between] = std::max(projector_[between], d);
-          }
+  std::fill(projector_.begin(), projector_.end(), 0.0F);
+  int last_column = 0;
+  float last = 0.0F;
+  for (size_t u = 0; u < row.size(); ++u) {
+    const float d = std::min(row[u] * scale, static_cast<float>(kProjectorMargin));
+    const int column = static_cast<int>(static_cast<float>(u) - d + kOffset);
+    projector_column_[u] = column;
+    if (d > 0.0F) {
+      float& lit = projector_[static_cast<size_t>(column)];
+      lit = std::max(lit, d);
+      // A surface that recedes to the right covers columns between those of its pixels.
+      if (column > last_column + 1 && last - d < kSurfaceStep && last > d) {
+        for (int between = last_column + 1; between < column; ++between) {
+          float& gap = projector_[static_cast<size_t>(between)];
+          gap = std::max(gap, d);
         }
-        last_column = column;
       }
-      last = d;
     }
-    for (size_t u = 0; u < width; ++u) {
-      const float d = std::min(row[u] * scale, static_cast<float>(kProjectorMargin));
-      if (d <= 0.0F) continue;
-      const auto column = static_cast<size_t>(static_cast<float>(u) - d + kOffset);
-      if (projector_[column] > d + kShadowTolerance) row[u] = 0.0F;
-    }
+    last_column = column;
+    last = d;
+  }
+  for (size_t u = 0; u < row.size(); ++u) {
+    const float light = projector_[static_cast<size_t>(projector_column_[u])];
+    if (light > row[u] * scale + kShadowTolerance) row[u] = 0.0F;
   }
 }
 
@@ -225,65 +240,118 @@ void SensorModel::DropAtGrazing(const RenderedView& view, const NoiseTile::Windo
   }
 }
 
+void SensorModel::FindEdges(const RenderedView& view) {
+  const auto edge = static_cast<float>(parameters_.edge_step);
+  const int columns = EdgeColumns();
+  const auto width = static_cast<size_t>(camera_.width);
+  edge_blocks_.assign(static_cast<size_t>(columns * EdgeRows()), 0);
+  for (int v = 0; v < camera_.height; ++v) {
+    // The last row and the last column have their neighbours before them.
+    const size_t below = v + 1 < camera_.height ? width : 0;
+    uint8_t* blocks = edge_blocks_.data() + v / kEdgeBlock * columns;
+    for (int u0 = 0; u0 < camera_.width; u0 += kEdgeBlock) {
+      const int u1 = std::min(u0 + kEdgeBlock, camera_.width - 1);
+      const size_t row = view.depth.Index(0, v);
+      int edges = 0;
+      for (size_t i = row + static_cast<size_t>(u0); i < row + static_cast<size_t>(u1); ++i) {
+        edges |= static_cast<int>(view.surface[i] != view.surface[i + 1]) |
+                 static_cast<int>(view.surface[i] != view.surface[i + below]) |
+                 static_cast<int>(std::abs(disparity_[i] - disparity_[i + 1]) > edge) |
+                 static_cast<int>(std::abs(disparity_[i] - disparity_[i + below]) > edge);
+      }
+      blocks[u0 / kEdgeBlock] |= static_cast<uint8_t>(edges);
+    }
+  }
+}
+
+bool SensorModel::EdgeNear(int column, int row) const {
+  for (int r = std::max(row - 1, 0); r <= std::min(row + 1, EdgeRows() - 1); ++r) {
+    for (int c = std::max(column - 1, 0); c <= std::min(column + 1, EdgeColumns() - 1); ++c) {
+      if (edge_blocks_[static_cast<size_t>(r * EdgeColumns() + c)] != 0) return true;
+    }
+  }
+  return false;
+}
+
 void SensorModel::ShiftEdges(const RenderedView& view,
                              const NoiseTile::Window& along_u,
                              const NoiseTile::Window& along_v) {
-  const auto edge = static_cast<float>(parameters_.edge_step);
-  size_t i = 0;
-  for (int v = 0; v < camera_.height; ++v) {
-    for (int u = 0; u < camera_.width; ++u, ++i) {
-      observed_[i] = disparity_[i];
-      const auto step =
-          std::min(static_cast<size_t>(view.cos_incidence[i] * static_cast<float>(kAngleSteps)),
-                   kAngleSteps - 1);
-      // No surface: cos_incidence 0 would stand for a grazing one.
-      const float sigma = lateral_table_[view.cos_incidence[i] > 0.0F ? step : kAngleSteps - 1];
-      const int from_u = u + std::clamp(RoundOffset(sigma * along_u.at(u, v)), -15, 15);
-      const int from_v = v + std::clamp(RoundOffset(sigma * along_v.at(u, v)), -15, 15);
-      if (!view.depth.Contains(from_u, from_v)) continue;
-      const size_t from = view.depth.Index(from_u, from_v);
-      if (view.surface[from] != view.surface[i] ||
-          std::abs(disparity_[from] - disparity_[i]) > edge) {
-        observed_[i] = disparity_[from];
+  FindEdges(view);
+  observed_ = disparity_;
+  for (int row = 0; row < EdgeRows(); ++row) {
+    for (int column = 0; column < EdgeColumns(); ++column) {
+      if (!EdgeNear(column, row)) continue;
+      const int v1 = std::min((row + 1) * kEdgeBlock, camera_.height);
+      const int u1 = std::min((column + 1) * kEdgeBlock, camera_.width);
+      for (int v = row * kEdgeBlock; v < v1; ++v) {
+        for (int u = column * kEdgeBlock; u < u1; ++u) {
+          ShiftPixel(view, u, v, along_u.at(u, v), along_v.at(u, v));
+        }
       }
     }
   }
 }
 
-void SensorModel::MeasureRow(const RenderedView& view,
-                             int v,
-                             const NoiseTile::Window* noise,
-                             float* out) {
+void SensorModel::ShiftPixel(const RenderedView& view, int u, int v, float noise_u, float noise_v) {
+  const size_t i = view.depth.Index(u, v);
+  const float cosine = view.cos_incidence[i];
+  // Without a surface there is no angle either.
+  const auto angle = std::min(static_cast<size_t>(cosine * kAngleSteps), kAngleSteps - 1);
+  const float sigma = lateral_table_[cosine > 0.0F ? angle : kAngleSteps - 1];
+  const auto round = [](float value) {
+    return std::clamp(
+        static_cast<int>(value + kEdgeBlock + 0.5F) - kEdgeBlock, -kEdgeBlock, kEdgeBlock);
+  };
+  const int from_u = u + round(sigma * noise_u);
+  const int from_v = v + round(sigma * noise_v);
+  if (!view.depth.Contains(from_u, from_v)) return;
+  const size_t from = view.depth.Index(from_u, from_v);
+  if (view.surface[from] != view.surface[i] ||
+      std::abs(disparity_[from] - disparity_[i]) > static_cast<float>(parameters_.edge_step)) {
+    observed_[i] = disparity_[from];
+  }
+}
+
+void SensorModel::AddNoiseRow(const RenderedView& view, int v, const NoiseTile::Window& noise) {
   const size_t row = view.depth.Index(0, v);
+  const auto width = static_cast<size_t>(camera_.width);
   const auto focal_baseline = static_cast<float>(focal_baseline_);
   const auto sigma = static_cast<float>(parameters_.axial_sigma);
+  constexpr float kGrazing = 0.5F;  // cos 60 degrees
+  noise.Row(v, noise_row_);
+  int grazing = 0;
+  for (size_t u = 0; u < width; ++u) {
+    grazing += view.cos_incidence[row + u] < kGrazing ? 1 : 0;
+    offset_row_[u] += sigma * noise_row_[u];
+  }
+  if (grazing == 0) return;
+  for (size_t u = 0; u < width; ++u) {
+    const float cosine = view.cos_incidence[row + u];
+    if (cosine >= kGrazing || cosine <= 0.0F || observed_[row + u] <= 0.0F) continue;
+    // sigma_z = c z^-1/2, in disparity c z^-5/2 f b.
+    const float z = focal_baseline / observed_[row + u];
+    const float extra = grazing_table_[static_cast<size_t>(cosine * kAngleSteps)];
+    offset_row_[u] += extra * focal_baseline / (z * z * std::sqrt(z)) * noise_row_[u];
+  }
+}
+
+void SensorModel::MeasureRow(const RenderedView& view, int v, float* out) const {
+  const size_t row = view.depth.Index(0, v);
+  const auto width = static_cast<size_t>(camera_.width);
+  const auto focal_baseline = static_cast<float>(focal_baseline_);
   const auto nearest = static_cast<float>(parameters_.nearest);
   const auto farthest = static_cast<float>(parameters_.farthest);
   const auto step = static_cast<float>(parameters_.disparity_step);
   const float inverse_step = 1.0F / step;
-  constexpr float kGrazing = 0.5F;  // cos 60 degrees
-  if (parameters_.bias) InterpolateBiasRow(v);
-  for (int u = 0; u < camera_.width; ++u) {
-    const size_t i = row + static_cast<size_t>(u);
-    const float truth = observed_[i];
-    float d = truth;
-    if (noise != nullptr && truth > 0.0F) {
-      float total = sigma;
-      if (view.cos_incidence[i] < kGrazing && view.cos_incidence[i] > 0.0F) {
-        // sigma_z = c z^-1/2, in disparity c z^-5/2 f b.
-        const float z = focal_baseline / truth;
-        const auto angle = static_cast<size_t>(view.cos_incidence[i] * kAngleSteps);
-        total += grazing_table_[angle] * focal_baseline / (z * z * std::sqrt(z));
-      }
-      d += total * noise->at(u, v);
-    }
-    if (parameters_.bias) d += bias_row_[static_cast<size_t>(u)] + BiasDepthTerm(truth);
-    if (parameters_.quantization) {
-      d = static_cast<float>(static_cast<int>(d * inverse_step + 0.5F)) * step;
-    }
+  const bool quantize = parameters_.quantization;
+  for (size_t u = 0; u < width; ++u) {
+    const float truth = observed_[row + u];
+    float d = truth + offset_row_[u];
+    if (quantize) d = static_cast<float>(static_cast<int>(d * inverse_step + 0.5F)) * step;
     // An untouched pixel keeps its exact depth.
-    const float z = d == disparity_[i] ? view.depth.depth[i] : focal_baseline / d;
-    out[u] = truth > 0.0F && z >= nearest && z <= farthest ? z : DepthImage::kInvalid;
+    const float z = d == disparity_[row + u] ? view.depth.depth[row + u] : focal_baseline / d;
+    const bool valid = (truth > 0.0F) & (z >= nearest) & (z <= farthest);
+    out[u] = valid ? z : DepthImage::kInvalid;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/camera_model.h"
@@ -31,6 +32,7 @@ class SensorModel {
     double ku, kv, phase, drift;  // rad/px, rad/px, rad, rad/s
   };
   static constexpr int kBiasCell = 16;        // px
+  static constexpr int kEdgeBlock = 8;        // px, also the largest shift of an edge.
   static constexpr size_t kAngleSteps = 256;  // Of the tables over cos_incidence.
 
   void MakeTables();
@@ -38,13 +40,20 @@ class SensorModel {
   [[nodiscard]] double BiasField(double u, double v, double time) const;
   [[nodiscard]] float BiasDepthTerm(float disparity) const;
   void FillBiasGrid(double time);
-  void InterpolateBiasRow(int v);
+  void AddBiasRow(int v);
+  void AddNoiseRow(const RenderedView& view, int v, const NoiseTile::Window& noise);
   void DropAtGrazing(const RenderedView& view, const NoiseTile::Window& noise);
   void CastShadows();
+  void CastRowShadows(std::span<float> row);
+  void FindEdges(const RenderedView& view);
+  [[nodiscard]] bool EdgeNear(int column, int row) const;
   void ShiftEdges(const RenderedView& view,
                   const NoiseTile::Window& along_u,
                   const NoiseTile::Window& along_v);
-  void MeasureRow(const RenderedView& view, int v, const NoiseTile::Window* noise, float* out);
+  void ShiftPixel(const RenderedView& view, int u, int v, float noise_u, float noise_v);
+  void MeasureRow(const RenderedView& view, int v, float* out) const;
+  [[nodiscard]] int EdgeColumns() const { return (camera_.width - 1) / kEdgeBlock + 1; }
+  [[nodiscard]] int EdgeRows() const { return (camera_.height - 1) / kEdgeBlock + 1; }
 
   SensorModelParameters parameters_;
   CameraModel camera_;
@@ -54,10 +63,12 @@ class SensorModel {
   std::vector<BiasWave> bias_waves_;
   double bias_amplitude_ = 0.0;  // px
   std::vector<float> bias_depth_term_;
-  // Over cos_incidence: px of lateral sigma, m^(3/2) of grazing sigma, threshold of dropout.
+  // Over cos_incidence: lateral sigma, px; grazing sigma, m^(3/2); threshold of dropout.
   std::vector<float> lateral_table_, grazing_table_, dropout_table_;
   // Reused.
-  std::vector<float> disparity_, observed_, projector_, bias_grid_, bias_row_;
+  std::vector<float> disparity_, observed_, projector_, bias_grid_, offset_row_, noise_row_;
+  std::vector<int> projector_column_;
+  std::vector<uint8_t> edge_blocks_;
 };
 
 }  // namespace vantage
