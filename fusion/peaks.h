@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "common/result.h"
+#include "fusion/orientation_histogram.h"
+
+namespace vantage {
+
+/// How clusters of heavy cells are found (paper 5.2).
+struct PeakParameters {
+  double w_min = 0.7;  ///< Of a cluster's height, that a cell needs to belong to it (paper 7.1).
+  double w_max = 0.9;  ///< Of w_M, that a cell needs to begin a cluster (paper 7.1).
+  /// Of w_M, that a lower mode needs to be reported beside the paper's clusters.
+  double w_mode = 0.3;
+
+  /// 0 < w_min <= w_max <= 1, 0 < w_mode <= 1.
+  Result<void> Validate() const;
+};
+
+/// A mode of the orientation: a cluster C of the paper's list L_C.
+struct OrientationPeak {
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  double weight = 0.0;  ///< [0, 1], the cluster's share of the histogram's mass
+  double spread = 0.0;  ///< rad, root mean square angle of the cluster's mass about q
+};
+
+/// The final rotation computation of paper 5.2. First come the clusters that grow, through
+/// neighboring cells of w_min w_M or more, from cells of w_max w_M or more: the heaviest of these
+/// is C_max and its mean q_f (eq. 7). Then, so that alternatives stay visible, modes lower than
+/// w_max w_M: clusters grown in the same way around a local maximum, relative to its own height,
+/// unless they run into higher ground. Both kinds by descending weight.
+/// Empty for an empty histogram.
+std::vector<OrientationPeak> FindPeaks(const OrientationHistogram& histogram,
+                                       const PeakParameters& parameters);
+
+}  // namespace vantage
