@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/result.h"
+#include "common/rng.h"
+#include "perception/depth_noise.h"
+
+namespace vantage {
+
+/// The plane that objects stand on: points with normal . p = offset; the normal points towards the
+/// side of the camera.
+struct SupportPlane {
+  Eigen::Vector3d normal = -Eigen::Vector3d::UnitZ();
+  double offset = 0.0;                ///< m, negative: the camera is on the positive side
+  std::vector<Eigen::Vector2d> hull;  ///< m, convex, counter-clockwise, in (axis_x, axis_y)
+  Eigen::Vector3d axis_x = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d axis_y = Eigen::Vector3d::UnitY();
+
+  /// Signed distance, m, positive towards the camera.
+  [[nodiscard]] double Height(const Eigen::Vector3d& p_camera) const {
+    return normal.dot(p_camera) - offset;
+  }
+  [[nodiscard]] Eigen::Vector2d Along(const Eigen::Vector3d& p_camera) const {
+    return {axis_x.dot(p_camera), axis_y.dot(p_camera)};
+  }
+  /// True when the foot of `p_camera` is inside the hull or at most `margin` m outside.
+  [[nodiscard]] bool IsAboveHull(const Eigen::Vector3d& p_camera, double margin) const;
+};
+
+struct SupportPlaneParameters {
+  int iterations = 300;        ///< of RANSAC (Fischler, Bolles 1981)
+  double inlier_sigmas = 3.0;  ///< a point within this many sigmas of noise belongs to the plane
+  double min_extent = 0.25;    ///< m; a plane of smaller extent is a face of an object
+  double min_share = 0.2;      ///< [0, 1] of all points
+  Result<void> Validate() const;
+};
+
+/// The plane of most points by RANSAC, then least squares on its points; nothing when there is
+/// none of sufficient extent and share. Deterministic for a state of `rng`.
+std::optional<SupportPlane> FindSupportPlane(std::span<const Eigen::Vector3d> points,
+                                             const DepthNoise& noise,
+                                             const SupportPlaneParameters& parameters,
+                                             Rng& rng);
+
+/// Convex hull, counter-clockwise, without collinear points (Andrew 1979).
+std::vector<Eigen::Vector2d> ConvexHull(std::vector<Eigen::Vector2d> points);
+
+}  // namespace vantage

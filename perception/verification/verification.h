@@ -1,0 +1,72 @@
+#pragma once
+
+#include <span>
+
+#include "common/camera_model.h"
+#include "common/depth_image.h"
+#include "common/result.h"
+#include "common/so3.h"
+#include "common/triangle_mesh.h"
+#include "perception/depth_noise.h"
+#include "perception/segmentation/segmentation.h"
+#include "perception/verification/model_view.h"
+
+namespace vantage {
+
+struct VerificationParameters {
+  double inlier_sigmas = 3.0;   ///< tolerance in standard deviations of the sensor's noise
+  double model_error = 0.0015;  ///< m, standard deviation of model and slowly varying sensor bias
+  int edge_px = 2;              ///< px by which the silhouette may be off, at full resolution
+  int coarse_step = 4;          ///< px; every so many are compared to rank hypotheses
+  double min_score = 0.6;       ///< [0, 1]; hypotheses of less are no detection
+  double outlier_cost = 8.0;    ///< nats, of a pixel that contradicts the hypothesis
+  DepthNoise noise;
+  Result<void> Validate() const;
+};
+
+/// How a model in a pose agrees with an image; counts are of compared pixels.
+struct Verification {
+  int inliers = 0;       ///< measured on the model's surface
+  int occluded = 0;      ///< measured nearer, on another cluster
+  int seen_through = 0;  ///< measured clearly farther than the model's surface
+  int in_front = 0;      ///< measured nearer, on this cluster or on no cluster (the support)
+  int missing = 0;       ///< not measured; no evidence
+  int edge = 0;          ///< off by no more than the silhouette's uncertainty; no evidence
+  int unexplained = 0;   ///< pixels of the cluster that the model does not reach
+  double mse = 0.0;      ///< m^2, mean squared distance of inliers to the model's surface
+  double cost = 0.0;     ///< nats, negative log-likelihood; comparable within one cluster and step
+
+  /// Of the visible model pixels those confirmed, [0, 1].
+  [[nodiscard]] double inlier_fraction() const {
+    return Ratio(inliers, inliers + seen_through + in_front);
+  }
+  /// Inliers of all pixels that speak for or against, [0, 1].
+  [[nodiscard]] double score() const {
+    return Ratio(inliers, inliers + seen_through + in_front + unexplained);
+  }
+
+ private:
+  static double Ratio(int part, int whole) {
+    return whole > 0 ? static_cast<double>(part) / whole : 0.0;
+  }
+};
+
+/// An image with its segments, against which hypotheses are held.
+struct SegmentedImage {
+  const DepthImage& depth;
+  const CameraModel& camera;
+  const Segmentation& segmentation;
+};
+
+/// Renders the model and compares pixel by pixel (paper section 3.1).
+/// @param cluster index of the segment that the hypothesis is to explain.
+/// @param step every so many pixels of rows and columns.
+Verification Verify(const ModelShape& model,
+                    const Pose& T_camera_object,
+                    const SegmentedImage& image,
+                    size_t cluster,
+                    int step,
+                    const VerificationParameters& parameters,
+                    ModelView* view);
+
+}  // namespace vantage
