@@ -19,16 +19,25 @@ struct ObjectModel {
   TriangleMesh mesh;                  ///< m, in the frame of the mesh that it was built from.
   std::vector<SurfacePoint> samples;  ///< Blue-noise surface samples with outward normals.
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< m, surface centroid.
-  double diameter = 0.0;              ///< m
-  SymmetryGroup symmetry;             ///< As far as known; the trivial group otherwise.
-  uint64_t mesh_hash = 0;             ///< FNV-1a of vertices and triangles.
+  double diameter = 0.0;                             ///< m
+  SymmetryGroup symmetry;  ///< As far as known; the trivial group otherwise.
+  uint64_t mesh_hash = 0;  ///< FNV-1a of vertices and triangles.
+  std::string source;      ///< What it was made from, for people.
 };
 
 /// Errors: no such folder, no mesh in it, a file that is not what it claims, a mesh that does not
 /// match the hash in model.toml.
 Result<ObjectModel> LoadObjectModel(const std::filesystem::path& folder);
 
-/// Writes the folder whole or not at all (a temporary folder beside it, then renamed).
+/// Writes the folder whole or not at all (a temporary folder beside it, then renamed). A model
+/// folder that is there already is replaced, with its matching tables. Errors: something else is
+/// there, the model's id is not the folder's name, the system refuses.
 Result<void> SaveObjectModel(const ObjectModel& model, const std::filesystem::path& folder);
+
+/// 1 to 64 of A-Z a-z 0-9 _ - and no leading '-': fit for folders, channels and tables.
+Result<void> CheckModelId(const std::string& id);
+
+/// FNV-1a, 64 bits, of the vertices' and the triangles' bytes.
+uint64_t HashMesh(const TriangleMesh& mesh);
 
 }  // namespace vantage

@@ -1,0 +1,223 @@
+// Makes model folders, from our own generator or from a mesh, and shows what is in them.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/format.h"
+#include "common/result.h"
+#include "perception/model/mesh_check.h"
+#include "perception/model/mesh_import.h"
+#include "perception/model/model_builder.h"
+#include "perception/model/model_generator.h"
+#include "perception/model/object_model.h"
+#include "perception/model/symmetry_text.h"
+#include "perception/ppf/ppf_table.h"
+#include "tools/support/model_picture.h"
+#include "tools/support/png_image.h"
+
+namespace vantage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kTableName = "ppf.bin";
+
+struct Arguments {
+  std::vector<std::string> names;
+  std::string mesh;
+  std::string unit;
+  std::string id;
+  std::string symmetry = "none";
+  std::string folder;
+  std::string output;
+  bool tables = true;
+};
+
+// The model and its matching table, both made before either is written.
+Result<void> SaveWithTable(const ObjectModel& model, const fs::path& folder, bool tables) {
+  if (!tables) return SaveObjectModel(model, folder);
+  const Result<PpfTable> table =
+      PpfTable::Train(model.samples, model.diameter, PpfTableParameters{});
+  if (!table) return table.error();
+  if (Result<void> saved = SaveObjectModel(model, folder); !saved) return saved;
+  return table->Save(folder / kTableName, model.mesh_hash);
+}
+
+void PrintSummary(const ObjectModel& model) {
+  std::printf("%s: %zu vertices, %zu triangles, diameter %.1f mm, %zu samples, symmetry %s\n",
+              model.id.c_str(),
+              model.mesh.vertices.size(),
+              model.mesh.triangles.size(),
+              1e3 * model.diameter,
+              model.samples.size(),
+              SymmetryText(model.symmetry).c_str());
+}
+
+Result<void> Generate(const Arguments& arguments) {
+  std::vector<std::string> names = arguments.names;
+  if (names.empty()) names = GeneratedObjectNames();
+  // All of them before the first is written: a wrong name leaves nothing behind.
+  std::vector<ObjectModel> models;
+  for (const std::string& name : names) {
+    Result<GeneratedObject> object = GenerateObject(name);
+    if (!object) return object.error();
+    Result<ObjectModel> model = BuildObjectModel(
+        name, object->mesh, object->symmetry, "vantage-model generate " + name, {});
+    if (!model) return model.error();
+    models.push_back(std::move(model).value());
+  }
+  for (const ObjectModel& model : models) {
+    Result<void> saved =
+        SaveWithTable(model, fs::path(arguments.output) / model.id, arguments.tables);
+    if (!saved) return saved;
+    PrintSummary(model);
+  }
+  return {};
+}
+
+void PrintMending(const MeshMending& mending) {
+  if (mending.merged_vertices > 0) {
+    std::printf("merged %zu vertices that were at another one's place\n", mending.merged_vertices);
+  }
+  if (mending.removed_triangles > 0) {
+    std::printf("left out %zu triangles with two corners in one place\n",
+                mending.removed_triangles);
+  }
+  if (mending.open_edges > 0) {
+    std::printf("the mesh is open: %zu edges belong to one triangle only\n", mending.open_edges);
+  }
+  if (mending.odd_edges > 0) {
+    std::printf("%zu edges belong to triangles that disagree on what is outside\n",
+                mending.odd_edges);
+  }
+  if (mending.flipped) std::printf("the mesh was inside out: turned all triangles\n");
+}
+
+Result<void> Build(const Arguments& arguments) {
+  const fs::path file = arguments.mesh;
+  const std::string id = arguments.id.empty() ? file.stem().string() : arguments.id;
+  if (Result<void> fits = CheckModelId(id); !fits) {
+    return Error{fits.error().code,
+                 fits.error().message + (arguments.id.empty() ? "; give one with --id" : "")};
+  }
+  const Result<SymmetryGroup> symmetry = ParseSymmetry(arguments.symmetry);
+  if (!symmetry) return symmetry.error();
+  Result<TriangleMesh> mesh = ImportMesh(file, arguments.unit == "mm" ? 1e-3 : 1.0);
+  if (!mesh) return mesh.error();
+  const Result<MeshMending> mending = CheckAndMendMesh(&*mesh);
+  if (!mending) {
+    return Error{mending.error().code, file.string() + ": " + mending.error().message};
+  }
+  const std::string source = file.filename().string() + ", unit " + arguments.unit;
+  const Result<ObjectModel> model =
+      BuildObjectModel(id, std::move(mesh).value(), *symmetry, source, {});
+  if (!model) return model.error();
+  Result<void> saved = SaveWithTable(*model, fs::path(arguments.output) / id, arguments.tables);
+  if (!saved) return saved;
+  PrintMending(*mending);
+  PrintSummary(*model);
+  return {};
+}
+
+Result<void> Info(const Arguments& arguments) {
+  const fs::path folder = arguments.folder;
+  const Result<ObjectModel> loaded = LoadObjectModel(folder);
+  if (!loaded) return loaded.error();
+  const ObjectModel& model = *loaded;
+  const Eigen::AlignedBox3f box = model.mesh.Bounds();
+  const Eigen::Vector3f size = 1e3F * box.sizes();
+  std::printf("id          %s\n", model.id.c_str());
+  std::printf("source      %s\n", model.source.c_str());
+  std::printf("mesh        %zu vertices, %zu triangles, hash %016jx\n",
+              model.mesh.vertices.size(),
+              model.mesh.triangles.size(),
+              uintmax_t{model.mesh_hash});
+  std::printf("size        %.1f x %.1f x %.1f mm\n",
+              static_cast<double>(size.x()),
+              static_cast<double>(size.y()),
+              static_cast<double>(size.z()));
+  std::printf("diameter    %.1f mm\n", 1e3 * model.diameter);
+  std::printf("center      %.1f %.1f %.1f mm\n",
+              1e3 * model.center.x(),
+              1e3 * model.center.y(),
+              1e3 * model.center.z());
+  std::printf("symmetry    %s\n", SymmetryText(model.symmetry).c_str());
+  std::printf("samples     %zu\n", model.samples.size());
+  std::error_code error;
+  if (!fs::exists(folder / kTableName, error)) {
+    std::printf("ppf table   none; made when it is needed\n");
+    return {};
+  }
+  const Result<PpfTable> table = PpfTable::Load(folder / kTableName, model.mesh_hash);
+  if (!table) return table.error();
+  std::printf("ppf table   %zu points, %zu pairs\n", table->points().size(), table->num_entries());
+  return {};
+}
+
+Result<void> Picture(const Arguments& arguments) {
+  const Result<ObjectModel> model = LoadObjectModel(arguments.folder);
+  if (!model) return model.error();
+  if (Result<void> written = WritePng(arguments.output, RenderModelPicture(*model)); !written) {
+    return written;
+  }
+  std::printf("wrote %s\n", arguments.output.c_str());
+  return {};
+}
+
+int Run(int argc, char** argv) {
+  CLI::App app("Makes model folders and shows what is in them.", "vantage-model");
+  app.require_subcommand(1);
+  Arguments arguments;
+
+  CLI::App* generate = app.add_subcommand("generate", "make the bundled objects, all or by name");
+  generate->add_option("name", arguments.names, "objects to make; all when none is named");
+  generate->add_option("--output", arguments.output, "folder to put the model folders in")
+      ->required();
+
+  CLI::App* build = app.add_subcommand("build", "make a model folder of a PLY, OBJ or STL mesh");
+  build->add_option("mesh", arguments.mesh, "the mesh")->required();
+  build->add_option("--unit", arguments.unit, "unit of the mesh's coordinates, mm or m")
+      ->required()
+      ->check(CLI::IsMember({"mm", "m"}));
+  build->add_option("--id", arguments.id, "the model's name; the mesh file's when left out");
+  build->add_option("--symmetry",
+                    arguments.symmetry,
+                    "none, cyclic:2:z, dihedral:2:z:x, continuous:z or continuous-flip:z");
+  build->add_option("--output", arguments.output, "folder to put the model folder in")->required();
+  for (CLI::App* command : {generate, build}) {
+    command->add_flag("!--no-tables", arguments.tables, "leave the matching tables out");
+  }
+
+  CLI::App* info = app.add_subcommand("info", "print what a model folder holds");
+  info->add_option("folder", arguments.folder, "the model folder")->required();
+
+  CLI::App* picture = app.add_subcommand("picture", "draw a model");
+  picture->add_option("folder", arguments.folder, "the model folder")->required();
+  picture->add_option("--output", arguments.output, "the PNG file to write")->required();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {
+    return app.exit(wanted);  // --help
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "vantage-model: %s; see vantage-model --help\n", error.what());
+    return 2;
+  }
+  const Result<void> done = *generate ? Generate(arguments)
+                            : *build  ? Build(arguments)
+                            : *info   ? Info(arguments)
+                                      : Picture(arguments);
+  if (!done) {
+    std::fprintf(stderr, "vantage-model: %s\n", done.error().message.c_str());
+    return 2;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace vantage
+
+int main(int argc, char** argv) { return vantage::Run(argc, argv); }
