@@ -1,0 +1,97 @@
+#include "drivers/openni2/openni2_api.h"
+
+#include <OpenNI.h>
+
+#include <thread>
+#include <utility>
+
+#include "common/format.h"
+#include "drivers/openni2/device_events.h"
+#include "drivers/openni2/openni2_device.h"
+
+namespace vantage {
+
+class Openni2Api::Listener : public openni::OpenNI::DeviceConnectedListener,
+                             public openni::OpenNI::DeviceDisconnectedListener,
+                             public openni::OpenNI::DeviceStateChangedListener {
+ public:
+  void Add() {
+    openni::OpenNI::addDeviceConnectedListener(this);
+    openni::OpenNI::addDeviceDisconnectedListener(this);
+    openni::OpenNI::addDeviceStateChangedListener(this);
+  }
+  void Remove() {
+    openni::OpenNI::removeDeviceConnectedListener(this);
+    openni::OpenNI::removeDeviceDisconnectedListener(this);
+    openni::OpenNI::removeDeviceStateChangedListener(this);
+  }
+
+  void onDeviceConnected(const openni::DeviceInfo*) override { events.Connected(); }
+  void onDeviceDisconnected(const openni::DeviceInfo* info) override {
+    events.Disconnected(info->getUri());
+  }
+  void onDeviceStateChanged(const openni::DeviceInfo* info, openni::DeviceState state) override {
+    if (state == openni::DEVICE_STATE_EOF) events.Ended(info->getUri());
+  }
+
+  DeviceEvents events;
+};
+
+Result<std::unique_ptr<Openni2Api>> Openni2Api::Create() {
+  openni::OpenNI::setLogConsoleOutput(false);
+  openni::OpenNI::setLogFileOutput(false);
+  if (openni::OpenNI::initialize() != openni::STATUS_OK) {
+    return Error{
+        ErrorCode::kNotFound,
+        Format("OpenNI2 does not start: %s; expected its drivers in OpenNI2/Drivers beside "
+               "libOpenNI2.so.0; `apt-get install --reinstall libopenni2-0` brings them back",
+               openni::OpenNI::getExtendedError())};
+  }
+  return std::unique_ptr<Openni2Api>(new Openni2Api(std::make_unique<Listener>()));
+}
+
+Openni2Api::Openni2Api(std::unique_ptr<Listener> listener) : listener_(std::move(listener)) {
+  listener_->Add();
+}
+
+Openni2Api::~Openni2Api() {
+  listener_->Remove();
+  openni::OpenNI::shutdown();
+}
+
+std::vector<DeviceListing> Openni2Api::List() {
+  openni::Array<openni::DeviceInfo> devices;
+  openni::OpenNI::enumerateDevices(&devices);
+  std::vector<DeviceListing> listing;
+  for (int i = 0; i < devices.getSize(); ++i) {
+    listing.push_back(
+        {devices[i].getUri(), std::string(devices[i].getVendor()) + " " + devices[i].getName()});
+  }
+  return listing;
+}
+
+Result<std::unique_ptr<DepthDevice>> Openni2Api::Open(const std::string& uri) {
+  return Openni2Device::Open(uri, listener_->events);
+}
+
+bool Openni2Api::WaitForDevice(std::chrono::milliseconds timeout) {
+  return listener_->events.WaitForConnection(timeout);
+}
+
+int64_t Openni2Api::MonotonicUs() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+int64_t Openni2Api::WallUs() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+void Openni2Api::Sleep(std::chrono::microseconds duration) {
+  std::this_thread::sleep_for(duration);
+}
+
+}  // namespace vantage
