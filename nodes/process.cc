@@ -112,18 +112,20 @@ int RunProcess(int argc,
   if (!config) return Fail(options.name, config.error());
   const BusSettings settings = ReadBusSettings(*config);
 
+  const Result<std::unique_ptr<ProcessNameLock>> lock =
+      ProcessNameLock::Acquire(options.name, url.empty() ? settings.url : url);
+  if (!lock) return Fail(options.name, lock.error());
+
   const SignalStop stop;
   LiveBus::Options bus_options;
   bus_options.url = url.empty() ? settings.url : url;
-  bus_options.process_name = options.name;
+  bus_options.name = options.name;
   bus_options.version = VANTAGE_VERSION;
   bus_options.config_hash = config->Hash();
   bus_options.receive_buffer_bytes = settings.receive_buffer_bytes;
   bus_options.min_receive_buffer_bytes = settings.min_receive_buffer_bytes;
   Result<std::unique_ptr<LiveBus>> bus = LiveBus::Create(bus_options);
   if (!bus) return Fail(options.name, bus.error());
-  Result<ProcessNameLock> lock = ProcessNameLock::Acquire(options.name, (*bus)->url());
-  if (!lock) return Fail(options.name, lock.error());
 
   Result<std::unique_ptr<Node>> node = make_node(**bus, *config, options);
   if (!node) return Fail(options.name, node.error());
