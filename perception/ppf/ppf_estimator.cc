@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "common/format.h"
+#include "perception/ppf/self_alignment.h"
+#include "perception/verification/mesh_simplification.h"
 
 namespace vantage {
 namespace {
@@ -30,6 +32,9 @@ constexpr double kGridReach = 0.16;  // Of the diameter; beyond the coarse refin
 constexpr double kGridCell = 0.02;   // Of the diameter.
 constexpr size_t kGridPoints = 4000;
 constexpr uint64_t kGridSeed = 1;
+constexpr uint64_t kSelfSeed = 2;
+constexpr size_t kManyTriangles = 8000;
+constexpr double kQuickCell = 0.02;  // Of the diameter.
 
 NearestGrid MakeGrid(const ObjectModel& model) {
   Rng rng(kGridSeed);
@@ -53,6 +58,32 @@ void Thin(size_t size, Rng& rng, std::vector<SurfacePoint>* points) {
     std::swap((*points)[i], (*points)[i + rng.Below(static_cast<uint32_t>(points->size() - i))]);
   }
   points->resize(size);
+}
+
+template <class T>
+void Truncate(int size, std::vector<T>* values) {
+  if (values->size() > static_cast<size_t>(size)) values->resize(static_cast<size_t>(size));
+}
+
+// Of sorted hypotheses of one model the first `count` that differ.
+template <class Hypothesis>
+void KeepDistinct(const ObjectModel& model, int count, std::vector<Hypothesis>* hypotheses) {
+  constexpr double kSameAngle = 4.0 * kDegree;
+  constexpr double kSamePlace = 0.03;  // Of the diameter.
+  std::vector<Hypothesis> kept;
+  for (const Hypothesis& hypothesis : *hypotheses) {
+    const Pose& T = hypothesis.T_camera_object;
+    const bool is_known = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& other) {
+      const Pose& T_other = other.T_camera_object;
+      return (T * model.center - T_other * model.center).norm() < kSamePlace * model.diameter &&
+             SymmetricAngle(model.symmetry,
+                            Eigen::Quaterniond(T.linear()),
+                            Eigen::Quaterniond(T_other.linear())) < kSameAngle;
+    });
+    if (!is_known) kept.push_back(hypothesis);
+    if (kept.size() == static_cast<size_t>(count)) break;
+  }
+  *hypotheses = std::move(kept);
 }
 
 }  // namespace
@@ -99,23 +130,60 @@ Result<std::unique_ptr<PpfEstimator>> PpfEstimator::Create(
 }
 
 PpfEstimator::PpfEstimator(std::vector<Model> models, const PpfEstimatorParameters& parameters)
-    : parameters_(parameters), models_(std::move(models)) {
-  for (const Model& model : models_) {
-    grids_.push_back(MakeGrid(model.object));
-    radii_.push_back(RadiusAboutCenter(model.object));
-  }
+    : parameters_(parameters) {
+  for (Model& model : models) models_.push_back(Prepare(std::move(model)));
 }
 
-ModelShape PpfEstimator::Shape(size_t model) const {
-  const ObjectModel& object = models_[model].object;
-  return {object.mesh, object.center, object.diameter, radii_[model]};
+PpfEstimator::Prepared PpfEstimator::Prepare(Model model) {
+  const ObjectModel& object = model.object;
+  TriangleMesh quick = object.mesh;
+  if (quick.triangles.size() > kManyTriangles) {
+    quick = SimplifyMesh(object.mesh, kQuickCell * object.diameter);
+  }
+  const double radius = RadiusAboutCenter(object);
+  NearestGrid grid = MakeGrid(object);
+  Rng rng(kSelfSeed);
+  std::vector<Pose> alternatives =
+      FindSelfAlignments(model.table,
+                         grid,
+                         ModelShape{object.mesh, object.center, object.diameter, radius},
+                         object.symmetry,
+                         rng);
+  return {std::move(model), std::move(grid), std::move(quick), radius, std::move(alternatives)};
+}
+
+ModelShape PpfEstimator::Shape(const Prepared& prepared, const TriangleMesh& mesh) {
+  const ObjectModel& object = prepared.model.object;
+  return {mesh, object.center, object.diameter, prepared.radius};
+}
+
+void PpfEstimator::VerifyAndSort(const SegmentedImage& image,
+                                 size_t cluster,
+                                 int step,
+                                 StageTimes* times,
+                                 std::vector<Hypothesis>* hypotheses) {
+  const StageTimer timer(times, &StageTimes::verification);
+  for (Hypothesis& hypothesis : *hypotheses) {
+    const Prepared& known = models_[hypothesis.model];
+    const TriangleMesh& mesh = hypothesis.is_final ? known.model.object.mesh : known.quick_mesh;
+    hypothesis.verification = Verify(Shape(known, mesh),
+                                     hypothesis.T_camera_object,
+                                     image,
+                                     cluster,
+                                     step,
+                                     parameters_.verification,
+                                     &view_);
+  }
+  std::stable_sort(hypotheses->begin(), hypotheses->end(), [](const auto& a, const auto& b) {
+    return a.verification.cost < b.verification.cost;
+  });
 }
 
 // The best hypotheses of one model for one cluster, refined on samples.
 std::vector<PpfEstimator::Hypothesis> PpfEstimator::Propose(
     const SegmentedImage& image, size_t cluster, size_t model, Rng& rng, StageTimes* times) {
-  const Model& known = models_[model];
-  const ModelShape shape = Shape(model);
+  const Prepared& known = models_[model];
+  const ModelShape shape = Shape(known, known.quick_mesh);
   std::vector<SurfacePoint> scene;
   {
     const StageTimer timer(times, &StageTimes::normals);
@@ -132,41 +200,32 @@ std::vector<PpfEstimator::Hypothesis> PpfEstimator::Propose(
   std::vector<PoseHypothesis> voted;
   {
     const StageTimer timer(times, &StageTimes::voting);
-    voted = VotePoses(known.table, scene, shape.center, parameters_.voting, rng);
+    voted = VotePoses(known.model.table, scene, shape.center, parameters_.voting, rng);
   }
   std::vector<Hypothesis> hypotheses;
-  for (const PoseHypothesis& pose : voted) hypotheses.push_back({model, pose.T_camera_object, {}});
-  const auto verify_and_keep = [&](int keep) {
-    const StageTimer timer(times, &StageTimes::verification);
-    for (Hypothesis& hypothesis : hypotheses) {
-      hypothesis.verification = Verify(shape,
-                                       hypothesis.T_camera_object,
-                                       image,
-                                       cluster,
-                                       parameters_.verification.coarse_step,
-                                       parameters_.verification,
-                                       &view_);
-    }
-    std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const auto& a, const auto& b) {
-      return a.verification.cost < b.verification.cost;
-    });
-    if (hypotheses.size() > static_cast<size_t>(keep)) {
-      hypotheses.resize(static_cast<size_t>(keep));
-    }
-  };
-  {
-    const StageTimer timer(times, &StageTimes::refinement);
-    for (Hypothesis& hypothesis : hypotheses) {
-      hypothesis.T_camera_object = RefineCoarse(grids_[model],
-                                                shape,
-                                                hypothesis.T_camera_object,
-                                                scene,
-                                                image.camera.fx,
-                                                parameters_.refinement)
-                                       .T_camera_object;
-    }
+  for (const PoseHypothesis& pose : voted) {
+    hypotheses.push_back({model, false, pose.T_camera_object, {}});
   }
-  verify_and_keep(parameters_.coarse_hypotheses);
+  const auto refine = [&](Hypothesis& hypothesis) {
+    const StageTimer timer(times, &StageTimes::refinement);
+    hypothesis.T_camera_object = RefineCoarse(known.grid,
+                                              shape,
+                                              hypothesis.T_camera_object,
+                                              scene,
+                                              image.camera.fx,
+                                              parameters_.refinement)
+                                     .T_camera_object;
+  };
+  for (Hypothesis& hypothesis : hypotheses) refine(hypothesis);
+  VerifyAndSort(image, cluster, parameters_.verification.coarse_step, times, &hypotheses);
+  if (!hypotheses.empty()) {
+    const Pose best = hypotheses.front().T_camera_object;
+    for (const Pose& alternative : known.alternatives) {
+      hypotheses.push_back({model, false, best * alternative, {}});
+    }
+    VerifyAndSort(image, cluster, parameters_.verification.coarse_step, times, &hypotheses);
+  }
+  KeepDistinct(known.model.object, parameters_.coarse_hypotheses, &hypotheses);
   return hypotheses;
 }
 
@@ -180,26 +239,42 @@ std::vector<PpfEstimator::Hypothesis> PpfEstimator::Explain(const SegmentedImage
     const std::vector<Hypothesis> proposed = Propose(image, cluster, model, rng, times);
     all.insert(all.end(), proposed.begin(), proposed.end());
   }
-  const auto by_cost = [](const Hypothesis& a, const Hypothesis& b) {
+  std::stable_sort(all.begin(), all.end(), [](const Hypothesis& a, const Hypothesis& b) {
     return a.verification.cost < b.verification.cost;
-  };
-  std::stable_sort(all.begin(), all.end(), by_cost);
-  if (all.size() > static_cast<size_t>(parameters_.fine_hypotheses)) {
-    all.resize(static_cast<size_t>(parameters_.fine_hypotheses));
-  }
+  });
+  Truncate(parameters_.fine_hypotheses, &all);
+  const RefinementParameters& refinement = parameters_.refinement;
+  constexpr int kFineStep = 2;
   for (Hypothesis& hypothesis : all) {
-    const ModelShape shape = Shape(hypothesis.model);
-    {
-      const StageTimer timer(times, &StageTimes::refinement);
-      hypothesis.T_camera_object =
-          RefineFine(shape, hypothesis.T_camera_object, image, parameters_.refinement, &view_)
-              .T_camera_object;
-    }
-    const StageTimer timer(times, &StageTimes::verification);
-    hypothesis.verification = Verify(
-        shape, hypothesis.T_camera_object, image, cluster, 1, parameters_.verification, &view_);
+    const StageTimer timer(times, &StageTimes::refinement);
+    const Prepared& known = models_[hypothesis.model];
+    hypothesis.T_camera_object = RefineFine(Shape(known, known.quick_mesh),
+                                            hypothesis.T_camera_object,
+                                            image,
+                                            kFineStep,
+                                            refinement.fine_iterations,
+                                            refinement.fine_reach * known.model.object.diameter,
+                                            refinement,
+                                            &view_)
+                                     .T_camera_object;
   }
-  std::stable_sort(all.begin(), all.end(), by_cost);
+  VerifyAndSort(image, cluster, kFineStep, times, &all);
+  Truncate(parameters_.hypotheses_per_cluster + 1, &all);
+  for (Hypothesis& hypothesis : all) {
+    const StageTimer timer(times, &StageTimes::refinement);
+    const Prepared& known = models_[hypothesis.model];
+    hypothesis.is_final = true;
+    hypothesis.T_camera_object = RefineFine(Shape(known, known.model.object.mesh),
+                                            hypothesis.T_camera_object,
+                                            image,
+                                            1,
+                                            refinement.final_iterations,
+                                            0.0,
+                                            refinement,
+                                            &view_)
+                                     .T_camera_object;
+  }
+  VerifyAndSort(image, cluster, 1, times, &all);
   std::erase_if(all, [this](const Hypothesis& hypothesis) {
     return hypothesis.verification.inliers == 0 ||
            hypothesis.verification.score() < parameters_.verification.min_score;
@@ -219,18 +294,32 @@ PpfEstimator::Output PpfEstimator::Estimate(const DepthImage& depth,
   const SegmentedImage image{depth, camera, segmentation};
   Output output;
   output.num_clusters = static_cast<int>(segmentation.clusters.size());
+  // An object that hides part of itself may be in several clusters: one explains them all.
+  std::vector<uint8_t> explained(depth.depth.size(), 0);
+  constexpr double kExplainedShare = 0.5;
   for (size_t cluster = 0; cluster < segmentation.clusters.size(); ++cluster) {
-    const std::vector<Hypothesis> explained = Explain(image, cluster, rng, times);
-    for (size_t i = 0; i < explained.size(); ++i) {
-      if (i == static_cast<size_t>(parameters_.hypotheses_per_cluster)) break;
-      const Hypothesis& hypothesis = explained[i];
-      output.detections.push_back({models_[hypothesis.model].object.id,
+    const std::vector<uint32_t>& pixels = segmentation.clusters[cluster].pixels;
+    const auto count = std::count_if(
+        pixels.begin(), pixels.end(), [&](uint32_t pixel) { return explained[pixel] != 0; });
+    if (static_cast<double>(count) > kExplainedShare * static_cast<double>(pixels.size())) continue;
+    std::vector<Hypothesis> hypotheses = Explain(image, cluster, rng, times);
+    Truncate(parameters_.hypotheses_per_cluster, &hypotheses);
+    for (const Hypothesis& hypothesis : hypotheses) {
+      output.detections.push_back({models_[hypothesis.model].model.object.id,
                                    static_cast<int>(cluster),
                                    hypothesis.T_camera_object,
                                    hypothesis.verification.mse,
                                    hypothesis.verification.inlier_fraction(),
                                    hypothesis.verification.score()});
     }
+    if (hypotheses.empty()) continue;
+    const Prepared& best = models_[hypotheses.front().model];
+    MarkExplained(Shape(best, best.model.object.mesh),
+                  hypotheses.front().T_camera_object,
+                  image,
+                  parameters_.verification,
+                  &view_,
+                  &explained);
   }
   return output;
 }

@@ -75,12 +75,28 @@ class PpfEstimator {
  private:
   struct Hypothesis {
     size_t model = 0;
+    bool is_final = false;  // Drawn with the whole mesh.
     Pose T_camera_object = Pose::Identity();
     Verification verification;
   };
 
   PpfEstimator(std::vector<Model> models, const PpfEstimatorParameters& parameters);
-  [[nodiscard]] ModelShape Shape(size_t model) const;
+  // A model beside what hypotheses of it need.
+  struct Prepared {
+    Model model;
+    NearestGrid grid;                // For coarse refinement.
+    TriangleMesh quick_mesh;         // For all but the last refinement.
+    double radius;                   // m, about the center
+    std::vector<Pose> alternatives;  // Self alignments.
+  };
+  static Prepared Prepare(Model model);
+  static ModelShape Shape(const Prepared& prepared, const TriangleMesh& mesh);
+
+  void VerifyAndSort(const SegmentedImage& image,
+                     size_t cluster,
+                     int step,
+                     StageTimes* times,
+                     std::vector<Hypothesis>* hypotheses);
   std::vector<Hypothesis> Propose(
       const SegmentedImage& image, size_t cluster, size_t model, Rng& rng, StageTimes* times);
   std::vector<Hypothesis> Explain(const SegmentedImage& image,
@@ -89,10 +105,8 @@ class PpfEstimator {
                                   StageTimes* times);
 
   PpfEstimatorParameters parameters_;
-  std::vector<Model> models_;
-  std::vector<NearestGrid> grids_;  // Of each model, for coarse refinement.
-  std::vector<double> radii_;       // m, of each model about its center.
-  ModelView view_;                  // Reused.
+  std::vector<Prepared> models_;
+  ModelView view_;  // Reused.
 };
 
 }  // namespace vantage

@@ -14,9 +14,9 @@ namespace vantage {
 struct PpfVotingParameters {
   double reference_share = 0.2;  ///< of the scene's points (Drost et al. 2010: 1/5)
   int min_references = 16;
-  int max_references = 64;
+  int max_references = 24;
   int turn_bins = 30;   ///< of the turn about the normal (Drost et al. 2010: 30)
-  double spread = 0.2;  ///< bins; a feature this near to a border votes in both cells
+  double spread = 0.1;  ///< bins; a feature this near to a border votes in both cells
   int peaks_per_reference = 3;
   double cluster_distance = 0.1;    ///< of the diameter, between centers of equal poses
   double cluster_angle_deg = 15.0;  ///< deg, between orientations of equal poses

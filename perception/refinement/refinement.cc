@@ -80,11 +80,13 @@ constexpr int kFewestPairs = 12;
 
 Result<void> RefinementParameters::Validate() const {
   if (coarse_iterations < 0 || coarse_iterations > 1000 || fine_iterations < 0 ||
-      fine_iterations > 1000) {
-    return Error{ErrorCode::kInvalidArgument,
-                 Format("refinement: %d coarse and %d fine iterations, expected 0 to 1000",
-                        coarse_iterations,
-                        fine_iterations)};
+      fine_iterations > 1000 || final_iterations < 0 || final_iterations > 1000) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        Format("refinement: %d coarse, %d fine and %d final iterations, expected 0 to 1000",
+               coarse_iterations,
+               fine_iterations,
+               final_iterations)};
   }
   if (!(coarse_reach > 0.0 && coarse_reach_end > 0.0 && coarse_reach_end <= coarse_reach &&
         fine_reach > 0.0 && coarse_reach <= 1.0 && tukey_sigmas > 0.0 && model_error >= 0.0 &&
@@ -147,17 +149,16 @@ Refined RefineCoarse(const NearestGrid& grid,
 Refined RefineFine(const ModelShape& model,
                    const Pose& T_camera_object,
                    const SegmentedImage& image,
+                   int step,
+                   int iterations,
+                   double reach,
                    const RefinementParameters& parameters,
                    ModelView* view) {
   const CameraModel& camera = image.camera;
   Refined refined{T_camera_object};
-  const int coarse = parameters.fine_iterations / 2;
-  for (int i = 0; i < parameters.fine_iterations; ++i) {
-    const int step = i < coarse ? 2 : 1;
-    const double reach =
-        i < coarse
-            ? model.diameter * Anneal(parameters.fine_reach, 0.2 * parameters.fine_reach, i, coarse)
-            : 0.0;
+  constexpr double kTightening = 0.2;  // Of the reach, at the last iteration.
+  for (int i = 0; i < iterations; ++i) {
+    const double loose = reach > 0.0 ? Anneal(reach, kTightening * reach, i, iterations) : 0.0;
     const Pose& T = refined.T_camera_object;
     const Eigen::Matrix3f R = T.linear().cast<float>();
     MotionEquations equations(T * model.center);
@@ -175,7 +176,7 @@ Refined RefineFine(const ModelShape& model,
       const double sigma =
           std::hypot(parameters.noise.AlongNormal(rendered, camera.fx, -along / ray.norm()),
                      parameters.model_error);
-      const double cut = std::max(reach, parameters.tukey_sigmas * sigma);
+      const double cut = std::max(loose, parameters.tukey_sigmas * sigma);
       const double weight = Biweight(distance / cut);
       if (weight > 0.0) equations.Add(rendered * ray, normal, distance, weight / (sigma * sigma));
     });
@@ -186,9 +187,7 @@ Refined RefineFine(const ModelShape& model,
     Move(motion, model.center, &refined.T_camera_object);
     refined.covariance = equations.Information().inverse();
     const double size = std::max(motion.head<3>().norm(), 10.0 * motion.tail<3>().norm());
-    if (size < parameters.converged) {
-      if (step == 1) break;
-    }
+    if (size < parameters.converged) break;
   }
   return refined;
 }

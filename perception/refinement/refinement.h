@@ -16,8 +16,9 @@ struct RefinementParameters {
   int coarse_iterations = 8;       ///< on sampled points
   double coarse_reach = 0.10;      ///< of the diameter; pairs farther apart are cut at the start
   double coarse_reach_end = 0.04;  ///< of the diameter; at the end
-  int fine_iterations = 10;        ///< on pixels, at most; the first half on every fourth
-  double fine_reach = 0.06;        ///< of the diameter, at the start; ends at `tukey_sigmas`
+  int fine_iterations = 5;         ///< on every fourth pixel, at most
+  double fine_reach = 0.06;        ///< of the diameter, at the start
+  int final_iterations = 5;        ///< on all pixels, at most
   double tukey_sigmas = 4.0;       ///< cut of the biweight (Tukey 1974: 4.685 for 95 % efficiency)
   double model_error = 0.0005;     ///< m, standard deviation that the sensor's noise adds to
   double converged = 1e-5;         ///< rad and m / 10; smaller steps end the iteration
@@ -43,11 +44,16 @@ Refined RefineCoarse(const NearestGrid& grid,
                      double focal,
                      const RefinementParameters& parameters);
 
-/// The same of all pixels to the model as it would be seen along their lines of sight (projective
-/// association, Blais, Levine 1995), with the sensor's noise as weight and Tukey's biweight.
+/// The same of every `step`-th pixel of rows and columns to the model as it would be seen along
+/// their lines of sight (projective association, Blais, Levine 1995), with the sensor's noise as
+/// weight and Tukey's biweight. Pairs farther apart than `reach` m at the start, `tukey_sigmas` at
+/// the end, are cut.
 Refined RefineFine(const ModelShape& model,
                    const Pose& T_camera_object,
                    const SegmentedImage& image,
+                   int step,
+                   int iterations,
+                   double reach,
                    const RefinementParameters& parameters,
                    ModelView* view);
 

@@ -34,6 +34,32 @@ double SigmaAlongRay(const VerificationParameters& parameters,
                    parameters.model_error * parameters.model_error);
 }
 
+// What is measured where the model would be seen.
+struct Comparison {
+  size_t index;     // Of the pixel.
+  double measured;  // m; not above 0, or NaN, where nothing is
+  double rendered;  // m
+  double along;     // Of a step of 1 m along z, the part along the surface's normal.
+  double sigma;     // m, along z
+};
+
+Comparison Compare(const ModelShape& model,
+                   const Eigen::Matrix3f& R_camera_object,
+                   const ModelView::Pixel& pixel,
+                   const SegmentedImage& image,
+                   const VerificationParameters& parameters) {
+  Comparison result{};
+  result.index = image.depth.Index(pixel.u, pixel.v);
+  result.measured = static_cast<double>(image.depth.depth[result.index]);
+  result.rendered = static_cast<double>(pixel.depth);
+  const Eigen::Vector3f ray = image.camera.Unproject(pixel.u, pixel.v, 1.0).cast<float>();
+  const Eigen::Vector3f normal = VisibleNormal(model.mesh, R_camera_object, pixel.triangle, ray);
+  result.along = static_cast<double>(-normal.dot(ray));
+  const double cosine = result.along / static_cast<double>(ray.norm());
+  result.sigma = SigmaAlongRay(parameters, image.camera.fx, result.rendered, cosine);
+  return result;
+}
+
 }  // namespace
 
 Result<void> VerificationParameters::Validate() const {
@@ -74,28 +100,21 @@ Verification Verify(const ModelShape& model,
   view->Render(
       model.mesh, T_camera_object, camera, ModelWindow(camera, model, T_camera_object), step);
   view->ForEachPixel([&](const ModelView::Pixel& pixel) {
-    const size_t index = image.depth.Index(pixel.u, pixel.v);
-    const auto measured = static_cast<double>(image.depth.depth[index]);
-    if (!(measured > 0.0)) {
+    const Comparison at = Compare(model, R, pixel, image, parameters);
+    if (!(at.measured > 0.0)) {
       ++result.missing;
       return;
     }
-    const auto rendered = static_cast<double>(pixel.depth);
-    const Eigen::Vector3f ray = camera.Unproject(pixel.u, pixel.v, 1.0).cast<float>();
-    const Eigen::Vector3f normal = VisibleNormal(model.mesh, R, pixel.triangle, ray);
-    const auto along = static_cast<double>(-normal.dot(ray));
-    const double cosine = along / static_cast<double>(ray.norm());
-    const double sigma = SigmaAlongRay(parameters, camera.fx, rendered, cosine);
-    const double tolerance = parameters.inlier_sigmas * sigma;
-    const double error = measured - rendered;
+    const double error = at.measured - at.rendered;
+    const double tolerance = parameters.inlier_sigmas * at.sigma;
     if (std::abs(error) <= tolerance) {
       ++result.inliers;
-      squared += error * error * along * along;
-      result.cost += 0.5 * error * error / (sigma * sigma);
-    } else if (error < 0.0 && labels[index] != own && labels[index] >= 0) {
+      squared += error * error * at.along * at.along;
+      result.cost += 0.5 * error * error / (at.sigma * at.sigma);
+    } else if (error < 0.0 && labels[at.index] != own && labels[at.index] >= 0) {
       ++result.occluded;
     } else if (MeasuredNearby(
-                   image.depth, pixel.u, pixel.v, parameters.edge_px, rendered, tolerance)) {
+                   image.depth, pixel.u, pixel.v, parameters.edge_px, at.rendered, tolerance)) {
       ++result.edge;
       result.cost += 1.0;
     } else {
@@ -112,6 +131,26 @@ Verification Verify(const ModelShape& model,
   }
   if (result.inliers > 0) result.mse = squared / result.inliers;
   return result;
+}
+
+void MarkExplained(const ModelShape& model,
+                   const Pose& T_camera_object,
+                   const SegmentedImage& image,
+                   const VerificationParameters& parameters,
+                   ModelView* view,
+                   std::vector<uint8_t>* explained) {
+  const Eigen::Matrix3f R = T_camera_object.linear().cast<float>();
+  view->Render(model.mesh,
+               T_camera_object,
+               image.camera,
+               ModelWindow(image.camera, model, T_camera_object),
+               1);
+  view->ForEachPixel([&](const ModelView::Pixel& pixel) {
+    const Comparison at = Compare(model, R, pixel, image, parameters);
+    if (std::abs(at.measured - at.rendered) <= parameters.inlier_sigmas * at.sigma) {
+      (*explained)[at.index] = 1;
+    }
+  });
 }
 
 }  // namespace vantage

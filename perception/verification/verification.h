@@ -1,6 +1,7 @@
 #pragma once
 
-#include <span>
+#include <cstdint>
+#include <vector>
 
 #include "common/camera_model.h"
 #include "common/depth_image.h"
@@ -68,5 +69,13 @@ Verification Verify(const ModelShape& model,
                     int step,
                     const VerificationParameters& parameters,
                     ModelView* view);
+
+/// Sets `explained[pixel]` to 1 for every pixel of the image that is measured on the model.
+void MarkExplained(const ModelShape& model,
+                   const Pose& T_camera_object,
+                   const SegmentedImage& image,
+                   const VerificationParameters& parameters,
+                   ModelView* view,
+                   std::vector<uint8_t>* explained);
 
 }  // namespace vantage
