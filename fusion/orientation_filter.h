@@ -16,7 +16,7 @@ namespace vantage {
 struct OrientationFilterParameters {
   double sigma_cw = 4.0 * kDegree;  ///< rad, of the confidence weight (eq. 2)
   double sigma_vw = 6.25e-6;        ///< m^2, of the verification weight (eq. 4): (2.5 mm)^2
-  PeakParameters peaks;
+  PeakParameters peaks{};
   double converge_angle = 1.0 * kDegree;  ///< rad, change of q_f that counts as none (paper 5.2)
   int converge_views = 2;                 ///< last views that must not have changed q_f
   int min_views = 4;                      ///< views before convergence is believed

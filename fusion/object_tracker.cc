@@ -1,0 +1,237 @@
+#include "fusion/object_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/format.h"
+#include "fusion/verification_weight.h"
+
+namespace vantage {
+namespace {
+
+constexpr size_t kNumRecentSets = 256;
+
+bool IsRigid(const Pose& pose) {
+  const Eigen::Matrix3d R = pose.linear();
+  return pose.matrix().allFinite() && R.determinant() > 0.0 &&
+         (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3;
+}
+
+// Of each cluster the detection with the best verification score, the first of equals.
+std::vector<size_t> BestOfEachCluster(const std::vector<Detection>& detections,
+                                      const std::vector<bool>& valid) {
+  std::map<int, size_t> best;
+  for (size_t i = 0; i < detections.size(); ++i) {
+    if (!valid[i]) continue;
+    const auto [known, is_first] = best.try_emplace(detections[i].cluster, i);
+    if (!is_first &&
+        detections[i].verification_score > detections[known->second].verification_score) {
+      known->second = i;
+    }
+  }
+  std::vector<size_t> chosen;
+  for (const auto& [cluster, index] : best) chosen.push_back(index);
+  return chosen;
+}
+
+}  // namespace
+
+Result<void> ObjectTrackerParameters::Validate() const {
+  if (!(gate > 0.0 && gate_fraction >= 0.0 && overlap_fraction >= 0.0)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("gate = %g m, gate_fraction = %g, overlap_fraction = %g, expected a gate "
+                        "above 0 and fractions of 0 or more",
+                        gate,
+                        gate_fraction,
+                        overlap_fraction)};
+  }
+  if (confirm_views < 1 || lost_views < 1) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("confirm_views = %d and lost_views = %d, expected 1 or more",
+                        confirm_views,
+                        lost_views)};
+  }
+  if (Result<void> valid = orientation.Validate(); !valid) return valid;
+  if (Result<void> valid = position.Validate(); !valid) return valid;
+  return viewpoint.Validate();
+}
+
+ObjectTracker::ObjectTracker(const So3Grid& grid,
+                             const ObjectTrackerParameters& parameters,
+                             std::map<std::string, TrackedModel> models)
+    : grid_(&grid), parameters_(parameters), models_(std::move(models)) {}
+
+ObjectTracker::Update ObjectTracker::Add(const DetectionSet& set) {
+  Update update;
+  const SetKey key{set.channel, set.seq, set.utime};
+  const bool known = std::find(state_.recent_sets.begin(), state_.recent_sets.end(), key) !=
+                     state_.recent_sets.end();
+  if (known || !IsRigid(set.T_world_camera)) return update;
+  update.used = true;
+  state_.recent_sets.push_back(key);
+  if (state_.recent_sets.size() > kNumRecentSets) state_.recent_sets.pop_front();
+
+  update.viewpoint = FindViewpoint(state_.viewpoints, set.T_world_camera, parameters_.viewpoint);
+  if (update.viewpoint < 0) {
+    update.viewpoint = static_cast<int>(state_.viewpoints.size());
+    state_.viewpoints.push_back({set.T_world_camera, 0});
+    update.changed = true;
+  }
+  ++state_.viewpoints[static_cast<size_t>(update.viewpoint)].num_sets;
+
+  std::vector<bool> valid;
+  for (const Detection& detection : set.detections) {
+    valid.push_back(IsValid(detection));
+    if (!valid.back()) ++update.num_invalid;
+  }
+  for (const size_t index : BestOfEachCluster(set.detections, valid)) {
+    const Detection& detection = set.detections[index];
+    Observation observation;
+    observation.viewpoint = update.viewpoint;
+    observation.source = key;
+    observation.index = static_cast<int>(index);
+    observation.T_world_object = set.T_world_camera * detection.T_camera_object;
+    observation.mse = detection.mse;
+    observation.verification_score = detection.verification_score;
+    if (Observe(detection.model_id, observation)) update.changed = true;
+  }
+  return update;
+}
+
+bool ObjectTracker::IsValid(const Detection& detection) const {
+  return models_.contains(detection.model_id) && IsRigid(detection.T_camera_object) &&
+         std::isfinite(detection.mse) && detection.mse >= 0.0 &&
+         std::isfinite(detection.verification_score) &&
+         VerificationWeight(detection.mse, parameters_.orientation.sigma_vw) > 0.0;
+}
+
+// Returns whether the observation is now part of an instance.
+bool ObjectTracker::Observe(const std::string& model_id, const Observation& observation) {
+  const Eigen::Vector3d center = observation.T_world_object * ModelOf(model_id).center;
+  int found = FindInstance(model_id, center);
+  if (found < 0) {
+    found = static_cast<int>(state_.instances.size());
+    state_.instances.push_back({state_.next_id++, model_id, {}});
+    fused_.push_back({{}, OrientationFilter(*grid_, parameters_.orientation), 0.0});
+  }
+  const auto instance = static_cast<size_t>(found);
+  std::vector<Observation>& observations = state_.instances[instance].observations;
+  const auto place = std::lower_bound(
+      observations.begin(),
+      observations.end(),
+      observation.viewpoint,
+      [](const Observation& known, int viewpoint) { return known.viewpoint < viewpoint; });
+  if (place != observations.end() && place->viewpoint == observation.viewpoint) {
+    if (observation.verification_score <= place->verification_score) return false;
+    *place = observation;
+  } else {
+    observations.insert(place, observation);
+  }
+  Fuse(instance);
+  return true;
+}
+
+int ObjectTracker::FindInstance(const std::string& model_id, const Eigen::Vector3d& center) const {
+  const double gate = parameters_.gate + parameters_.gate_fraction * ModelOf(model_id).diameter;
+  int nearest = -1;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < state_.instances.size(); ++i) {
+    if (state_.instances[i].model_id != model_id) continue;
+    const double distance = (fused_[i].position.p_world - center).norm();
+    if (distance > gate || distance >= smallest) continue;
+    smallest = distance;
+    nearest = static_cast<int>(i);
+  }
+  return nearest;
+}
+
+void ObjectTracker::Fuse(size_t instance) {
+  const Instance& object = state_.instances[instance];
+  const Eigen::Vector3d& center = ModelOf(object.model_id).center;
+  std::vector<PositionView> positions;
+  std::vector<OrientationView> orientations;
+  Fused& fused = fused_[instance];
+  fused.verification_weight = 0.0;
+  for (const Observation& observation : object.observations) {
+    const double w_v = VerificationWeight(observation.mse, parameters_.orientation.sigma_vw);
+    positions.push_back({observation.T_world_object * center, w_v});
+    orientations.push_back(
+        {Eigen::Quaterniond(observation.T_world_object.linear()).normalized(), observation.mse});
+    fused.verification_weight += w_v;
+  }
+  fused.position = FusePositions(positions, parameters_.position);
+  fused.orientation.Fuse(std::move(orientations));
+}
+
+ObjectEstimate ObjectTracker::Estimate(size_t instance) const {
+  const Instance& object = state_.instances[instance];
+  const Fused& fused = fused_[instance];
+  ObjectEstimate estimate;
+  estimate.instance_id = object.id;
+  estimate.model_id = object.model_id;
+  const auto num_views = static_cast<int>(object.observations.size());
+  const int num_since =
+      static_cast<int>(state_.viewpoints.size()) - 1 - object.observations.back().viewpoint;
+  if (num_views >= parameters_.confirm_views) {
+    estimate.state = ObjectEstimate::State::kConfirmed;
+  } else if (num_since >= parameters_.lost_views) {
+    estimate.state = ObjectEstimate::State::kLost;
+  }
+  estimate.center_world = fused.position.p_world;
+  estimate.center_covariance = fused.position.covariance;
+  estimate.peaks = fused.orientation.peaks();
+  estimate.entropy = fused.orientation.histogram().Entropy();
+  estimate.converged = fused.orientation.converged();
+  estimate.last_change = fused.orientation.last_change();
+  estimate.verification_weight = fused.verification_weight;
+  estimate.observations = object.observations;
+  estimate.histogram = &fused.orientation.histogram();
+  const Eigen::Matrix3d R_world_object = estimate.peaks.front().q.toRotationMatrix();
+  estimate.T_world_object.linear() = R_world_object;
+  estimate.T_world_object.translation() =
+      estimate.center_world - R_world_object * ModelOf(object.model_id).center;
+  return estimate;
+}
+
+std::vector<ObjectEstimate> ObjectTracker::Estimates() const {
+  std::vector<ObjectEstimate> estimates;
+  for (size_t i = 0; i < state_.instances.size(); ++i) {
+    if (fused_[i].orientation.peaks().empty()) continue;
+    const Instance& object = state_.instances[i];
+    bool is_overlapped = false;
+    for (size_t j = 0; j < state_.instances.size(); ++j) {
+      const Instance& other = state_.instances[j];
+      if (other.model_id == object.model_id) continue;
+      const double diameter =
+          std::min(ModelOf(object.model_id).diameter, ModelOf(other.model_id).diameter);
+      const double distance = (fused_[i].position.p_world - fused_[j].position.p_world).norm();
+      if (distance >= parameters_.overlap_fraction * diameter) continue;
+      const double weight = fused_[i].verification_weight;
+      const double other_weight = fused_[j].verification_weight;
+      is_overlapped = is_overlapped || other_weight > weight || (other_weight == weight && j < i);
+    }
+    if (!is_overlapped) estimates.push_back(Estimate(i));
+  }
+  return estimates;
+}
+
+Result<void> ObjectTracker::Restore(TrackerState state) {
+  for (const Instance& instance : state.instances) {
+    if (!models_.contains(instance.model_id)) {
+      return Error{ErrorCode::kNotFound,
+                   Format("the saved state has an object of model \"%s\", which is not in use",
+                          instance.model_id.c_str())};
+    }
+  }
+  state_ = std::move(state);
+  fused_.clear();
+  for (size_t i = 0; i < state_.instances.size(); ++i) {
+    fused_.push_back({{}, OrientationFilter(*grid_, parameters_.orientation), 0.0});
+    Fuse(i);
+  }
+  return {};
+}
+
+}  // namespace vantage
