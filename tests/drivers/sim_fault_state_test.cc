@@ -1,0 +1,56 @@
+#include "drivers/sim/fault_state.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace vantage {
+namespace {
+
+using Kind = SimFault::Kind;
+
+TEST(FaultState, NothingIsWrongAtFirst) {
+  FaultState faults;
+  EXPECT_TRUE(faults.Plugged(0.0));
+  EXPECT_FALSE(faults.Stalled(0.0));
+  EXPECT_FALSE(faults.TakeShortFrame(0.0));
+}
+
+TEST(FaultState, FaultsEndAfterTheirDuration) {
+  FaultState faults;
+  faults.Apply({Kind::kUnplug, 2.0}, 10.0);
+  faults.Apply({Kind::kStall, 3.0}, 10.0);
+  faults.Apply({Kind::kShortFrame, 1.0}, 10.0);
+  EXPECT_FALSE(faults.Plugged(11.9));
+  EXPECT_TRUE(faults.Plugged(12.0));
+  EXPECT_TRUE(faults.Stalled(12.9));
+  EXPECT_FALSE(faults.Stalled(13.0));
+  EXPECT_TRUE(faults.TakeShortFrame(10.5));
+  EXPECT_TRUE(faults.TakeShortFrame(10.9));
+  EXPECT_FALSE(faults.TakeShortFrame(11.0));
+}
+
+TEST(FaultState, WithoutADurationTheyLastUntilReplug) {
+  for (const double none : {0.0, -1.0, std::nan("")}) {
+    FaultState faults;
+    faults.Apply({Kind::kUnplug, none}, 10.0);
+    faults.Apply({Kind::kStall, none}, 10.0);
+    EXPECT_FALSE(faults.Plugged(1e9));
+    EXPECT_TRUE(faults.Stalled(1e9));
+    faults.Apply({Kind::kReplug, 0.0}, 2e9);
+    EXPECT_TRUE(faults.Plugged(2e9));
+    EXPECT_FALSE(faults.Stalled(2e9));
+  }
+}
+
+TEST(FaultState, EachShortFrameIsOneFrame) {
+  FaultState faults;
+  faults.Apply({Kind::kShortFrame, 0.0}, 10.0);
+  faults.Apply({Kind::kShortFrame, 0.0}, 10.0);
+  EXPECT_TRUE(faults.TakeShortFrame(11.0));
+  EXPECT_TRUE(faults.TakeShortFrame(12.0));
+  EXPECT_FALSE(faults.TakeShortFrame(13.0));
+}
+
+}  // namespace
+}  // namespace vantage
