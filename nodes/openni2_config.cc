@@ -1,0 +1,151 @@
+#include "nodes/openni2_config.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "common/format.h"
+
+namespace vantage {
+namespace {
+
+constexpr size_t kLongestName = 32;
+
+bool IsCameraName(const std::string& name) {
+  return !name.empty() && name.size() <= kLongestName &&
+         std::ranges::all_of(name, [](unsigned char c) {
+           return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+         });
+}
+
+std::string Lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+Result<std::string> ChooseCamera(const std::vector<std::string>& names,
+                                 const std::string& process_name) {
+  const std::string prefix = "openni2-";
+  if (names.empty()) {
+    return Error{ErrorCode::kNotFound,
+                 "the config has no [camera.<NAME>], expected one such as [camera.XTION] with "
+                 "device = \"index:0\""};
+  }
+  if (!process_name.starts_with(prefix)) return names.front();
+  for (const std::string& name : names) {
+    if (prefix + Lower(name) == process_name) return name;
+  }
+  std::string known;
+  for (const std::string& name : names) known += (known.empty() ? "" : ", ") + prefix + Lower(name);
+  return Error{ErrorCode::kNotFound,
+               Format("the process name %s belongs to no [camera.<NAME>] of the config, expected "
+                      "one of: %s",
+                      process_name.c_str(),
+                      known.c_str())};
+}
+
+void ReadStream(ConfigReader::Table& table, Openni2Config* config) {
+  table.Read("width_px", &config->stream.width, 1, kMaxImageSide);
+  table.Read("height_px", &config->stream.height, 1, kMaxImageSide);
+  table.Read("fps", &config->stream.fps, 1, 1000);
+  table.Read("color", &config->stream.color);
+  table.Read("registration", &config->stream.registration);
+  table.Read("stall_timeout_s", &config->stall_timeout_s, 0.1, 60.0);
+  table.Read("rate_hz", &config->rate_hz, 0.0, 1000.0);
+  std::string compression = "zlib";
+  table.ReadChoice("compression", &compression, {"zlib", "none"});
+  config->compression = compression == "zlib" ? DepthCompression::kZlib : DepthCompression::kNone;
+}
+
+}  // namespace
+
+Result<CameraCalibration> LoadCameraCalibration(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    return Error{ErrorCode::kNotFound,
+                 Format("calibration file %s is not there, expected a TOML file with width_px, "
+                        "height_px, fx_px, fy_px, cx_px, cy_px",
+                        file.c_str())};
+  }
+  Result<ConfigReader> reader = ConfigReader::Open(file);
+  if (!reader) return reader.error();
+  ConfigReader::Table table = reader->Root();
+  CameraCalibration calibration;
+  CameraModel& model = calibration.model;
+  for (const char* key : {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px"}) {
+    table.Require(key);
+  }
+  table.Read("width_px", &model.width, 1, kMaxImageSide);
+  table.Read("height_px", &model.height, 1, kMaxImageSide);
+  constexpr double kLongest = 1e6;  // px
+  table.Read("fx_px", &model.fx, 1.0, kLongest);
+  table.Read("fy_px", &model.fy, 1.0, kLongest);
+  table.Read("cx_px", &model.cx, -kLongest, kLongest);
+  table.Read("cy_px", &model.cy, -kLongest, kLongest);
+  table.ReadChoice("distortion_model", &calibration.distortion_model, {"none", "brown_conrady"});
+  if (calibration.distortion_model == "brown_conrady") {
+    table.Require("distortion");
+    table.ReadNumbers("distortion", 5, -100.0, 100.0, &calibration.distortion);
+  } else if (table.Has("distortion")) {
+    table.Fail("distortion", "expected distortion_model = \"brown_conrady\" beside it");
+  }
+  if (Result<void> read = reader->Finish(); !read) return read.error();
+  if (Result<void> valid = model.Validate(); !valid) {
+    return Error{valid.error().code, file.string() + ": " + valid.error().message};
+  }
+  calibration.id = file.filename().string() + "#" + reader->Hash();
+  return calibration;
+}
+
+Result<Openni2Config> ReadOpenni2Config(ConfigReader& config, const std::string& process_name) {
+  ConfigReader::Table cameras = config.Root().Sub("camera");
+  const std::vector<std::string> names = cameras.Keys();
+  Result<std::string> name = ChooseCamera(names, process_name);
+  if (!name) return name.error();
+  if (!IsCameraName(*name)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("[camera.%s]: expected a name of 1 to %zu capitals, digits and '_', which "
+                        "becomes part of the channels' names",
+                        name->c_str(),
+                        kLongestName)};
+  }
+  for (const std::string& other : names) {
+    if (other != *name) cameras.Sub(other).IgnoreAll();
+  }
+
+  Openni2Config result;
+  result.name = *name;
+  ConfigReader::Table table = cameras.Sub(*name);
+  table.Require("device");
+  std::string device = "index:0";
+  table.Read("device", &device);
+  const Result<DeviceSelector> selector = DeviceSelector::Parse(device);
+  if (selector) {
+    result.device = *selector;
+  } else {
+    table.Fail("device", selector.error().message);
+  }
+  ReadStream(table, &result);
+  std::filesystem::path file;
+  table.ReadPath("calibration", &file);
+  if (file.empty()) return result;
+
+  Result<CameraCalibration> calibration = LoadCameraCalibration(file);
+  if (!calibration) return calibration.error();
+  const bool recording = result.device.kind == DeviceSelector::Kind::kRecording;
+  if (!recording && (calibration->model.width != result.stream.width ||
+                     calibration->model.height != result.stream.height)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("calibration file %s is for %d x %d px, expected the %d x %d px of "
+                        "[camera.%s]",
+                        file.c_str(),
+                        calibration->model.width,
+                        calibration->model.height,
+                        result.stream.width,
+                        result.stream.height,
+                        name->c_str())};
+  }
+  result.calibration = *calibration;
+  return result;
+}
+
+}  // namespace vantage

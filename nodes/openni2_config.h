@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/image_conversion.h"
+#include "common/camera_model.h"
+#include "common/result.h"
+#include "drivers/openni2/openni2_camera.h"
+#include "nodes/config_reader.h"
+
+namespace vantage {
+
+/// Intrinsics and distortion out of a calibration file.
+struct CameraCalibration {
+  CameraModel model;
+  std::string distortion_model = "none";  ///< or "brown_conrady"
+  std::vector<double> distortion;         ///< k1 k2 p1 p2 k3, no unit; empty for "none"
+  std::string id;                         ///< file's name and the hash of its content
+};
+
+/// Reads a calibration file (TOML, see docs/camera-drivers.md).
+/// Errors: absent, no TOML, keys that are missing, unknown or out of range.
+Result<CameraCalibration> LoadCameraCalibration(const std::filesystem::path& file);
+
+/// What [camera.<NAME>] says.
+struct Openni2Config {
+  std::string name;  ///< the <NAME> of the channels
+  DeviceSelector device;
+  StreamRequest stream;
+  double stall_timeout_s = 1.0;  ///< s without a frame
+  double rate_hz = 10.0;         ///< published at most; 0: every frame
+  DepthCompression compression = DepthCompression::kZlib;
+  std::optional<CameraCalibration> calibration;
+};
+
+/// The table [camera.<NAME>] of the process: of a process "openni2-<name>" the one whose NAME it is
+/// in capitals, of any other the alphabetically first. Other cameras' tables are left alone.
+/// Errors: no such table, a NAME that can't be part of a channel's name; a calibration as above or
+/// of another size. Errors of single keys wait for ConfigReader::Finish().
+Result<Openni2Config> ReadOpenni2Config(ConfigReader& config, const std::string& process_name);
+
+}  // namespace vantage

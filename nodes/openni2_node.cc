@@ -1,0 +1,379 @@
+#include "nodes/openni2_node.h"
+
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdio>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "bus/conversions.h"
+#include "bus/image_conversion.h"
+#include "common/format.h"
+#include "drivers/clock/rate_limiter.h"
+#include "drivers/openni2/openni2_api.h"
+#include "drivers/openni2/openni2_camera.h"
+#include "vantage/camera_command_t.hpp"
+#include "vantage/camera_info_t.hpp"
+#include "vantage/camera_status_t.hpp"
+#include "vantage/images_t.hpp"
+
+namespace vantage {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kGrabTimeout{100};
+constexpr std::chrono::seconds kRepeatInterval{1};  // of _INFO and _STATUS
+constexpr double kHighestRate = 1000.0;             // Hz
+
+double SecondsSince(steady_clock::time_point start) {
+  return std::chrono::duration<double>(steady_clock::now() - start).count();
+}
+
+// What CAMERA_<NAME>_INFO depends on.
+struct InfoContent {
+  CameraModel model;
+  std::string serial;
+  bool registered = false;
+  bool operator==(const InfoContent&) const = default;
+};
+
+// What commands asked for and the capture thread has yet to do.
+struct Commands {
+  std::optional<int> exposure_us;
+  std::optional<int> gain;
+  std::optional<double> rate_hz;
+  bool restart = false;
+};
+
+class Openni2Node : public Node {
+ public:
+  Openni2Node(Bus& bus, const Openni2Config& config, const std::string& process_name)
+      : bus_(bus),
+        config_(config),
+        process_name_(process_name),
+        channel_("CAMERA_" + config.name),
+        limiter_(config.rate_hz) {}
+
+  Result<void> Start(std::unique_ptr<DepthDeviceApi> api);
+  void Poll() override;
+  [[nodiscard]] milliseconds poll_interval() const override { return milliseconds(20); }
+
+ private:
+  void HandleCommand(const camera_command_t& command);
+
+  // The capture thread.
+  void Capture(const std::stop_token& stop);
+  void Obey();
+  void Tell(const CameraStatus& status);
+  void Offer(CameraFrame frame);
+
+  // The publishing thread.
+  void PublishFrames(const std::stop_token& stop);
+  void PublishFrame(const CameraFrame& frame);
+
+  // The bus's thread.
+  void PublishStatus(const CameraStatus& status);
+  void PublishInfo(const InfoContent& info);
+
+  Bus& bus_;
+  const Openni2Config config_;
+  const std::string process_name_;
+  const std::string channel_;
+
+  std::unique_ptr<Openni2Camera> camera_;  // Of the capture thread once that runs.
+  RateLimiter limiter_;                    // Of the capture thread.
+  Commands settings_;                      // Of the capture thread: in force, for a device anew.
+  int64_t settings_reconnects_ = 0;        // Of the capture thread.
+  bool told_absent_ = false;               // Of the capture thread.
+
+  int64_t image_seq_ = 0;  // Of the publishing thread.
+
+  int64_t status_seq_ = 0;  // Of the bus's thread, as what follows.
+  int64_t info_seq_ = 0;
+  std::optional<InfoContent> published_info_;
+  std::optional<steady_clock::time_point> last_status_;
+  std::optional<steady_clock::time_point> last_info_;
+
+  std::mutex mutex_;  // Guards what follows.
+  std::condition_variable_any frame_ready_;
+  std::optional<CameraFrame> newest_;  // Waits to be published.
+  CameraStatus status_;
+  std::vector<CameraStatus> changes_;  // Of state, yet to be published.
+  std::optional<InfoContent> info_;
+  Commands commands_;
+  std::string command_note_;  // What the last command could not do.
+  int64_t num_published_ = 0;
+  int64_t num_left_out_ = 0;  // Good frames that the rate limit or a newer one displaced.
+  double latency_s_ = 0.0;
+
+  std::jthread capture_thread_;  // Last, so that they end first.
+  std::jthread publish_thread_;
+};
+
+Result<void> Openni2Node::Start(std::unique_ptr<DepthDeviceApi> api) {
+  Openni2Camera::Options options;
+  options.device = config_.device;
+  options.stream = config_.stream;
+  if (config_.calibration) options.calibration = config_.calibration->model;
+  options.stall_timeout = milliseconds(std::llround(1e3 * config_.stall_timeout_s));
+  options.on_change = [this](const CameraStatus& status) {
+    Tell(status);
+    const std::lock_guard lock(mutex_);
+    changes_.push_back(status);
+  };
+  Result<std::unique_ptr<Openni2Camera>> camera = Openni2Camera::Create(options, std::move(api));
+  if (!camera) return camera.error();
+  camera_ = std::move(camera).value();
+
+  SubscribeOptions all;
+  all.keep = SubscribeOptions::Keep::kAll;
+  Result<void> subscribed = bus_.Subscribe<camera_command_t>(
+      channel_ + "_COMMAND", all, [this](const Envelope&, const camera_command_t& command) {
+        HandleCommand(command);
+      });
+  if (!subscribed) return subscribed;
+  capture_thread_ = std::jthread([this](const std::stop_token& stop) { Capture(stop); });
+  publish_thread_ = std::jthread([this](const std::stop_token& stop) { PublishFrames(stop); });
+  return {};
+}
+
+void Openni2Node::HandleCommand(const camera_command_t& command) {
+  const std::lock_guard lock(mutex_);
+  command_note_.clear();
+  if (command.exposure_us >= 0) commands_.exposure_us = command.exposure_us;
+  if (command.gain >= 0) commands_.gain = command.gain;
+  if (!std::isfinite(command.rate) || command.rate > kHighestRate) {
+    command_note_ = Format(
+        "command ignored: rate = %g Hz, expected at most %g, 0 to leave it or a "
+        "negative number for every frame",
+        command.rate,
+        kHighestRate);
+  } else if (command.rate != 0.0) {
+    commands_.rate_hz = command.rate;
+  }
+  commands_.restart = commands_.restart || command.restart;
+}
+
+void Openni2Node::Capture(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    Obey();
+    std::optional<CameraFrame> frame = camera_->Grab(kGrabTimeout);
+    const CameraStatus& status = camera_->status();
+    if (status.state == CameraState::kSearching && !status.message.empty()) Tell(status);
+    {
+      const std::lock_guard lock(mutex_);
+      status_ = status;
+    }
+    if (frame) Offer(*std::move(frame));
+  }
+}
+
+void Openni2Node::Obey() {
+  Commands commands;
+  {
+    const std::lock_guard lock(mutex_);
+    std::swap(commands, commands_);
+  }
+  if (commands.rate_hz) limiter_.SetRate(*commands.rate_hz);
+  if (commands.restart) camera_->Restart();
+  // A device that came back has forgotten its settings.
+  const CameraStatus& status = camera_->status();
+  const bool streaming = status.state == CameraState::kStreaming;
+  const bool anew = streaming && status.num_reconnects != settings_reconnects_;
+  if (anew) settings_reconnects_ = status.num_reconnects;
+  std::string note;
+  const auto apply = [&](std::optional<int>* in_force, const std::optional<int>& asked, auto set) {
+    if (!asked && !(anew && *in_force)) return;
+    if (asked) *in_force = asked;
+    const Result<void> done = (camera_.get()->*set)(**in_force);
+    if (!done) note += (note.empty() ? "" : "; ") + done.error().message;
+  };
+  apply(&settings_.exposure_us, commands.exposure_us, &Openni2Camera::SetExposure);
+  apply(&settings_.gain, commands.gain, &Openni2Camera::SetGain);
+  if (note.empty()) return;
+  const std::lock_guard lock(mutex_);
+  command_note_ = note;
+}
+
+// On the console, for who starts it by hand: what is missing once, then that it came.
+void Openni2Node::Tell(const CameraStatus& status) {
+  switch (status.state) {
+    case CameraState::kOpening:
+      return;
+    case CameraState::kSearching:
+      if (status.message.empty() || std::exchange(told_absent_, true)) return;
+      break;
+    case CameraState::kStreaming:
+      told_absent_ = false;
+      std::fprintf(stderr,
+                   "%s: streaming from device %s%s%s\n",
+                   process_name_.c_str(),
+                   status.serial.c_str(),
+                   status.message.empty() ? "" : "; ",
+                   status.message.c_str());
+      return;
+    case CameraState::kStalled:
+    case CameraState::kLost:
+      break;
+  }
+  std::fprintf(stderr, "%s: %s\n", process_name_.c_str(), status.message.c_str());
+}
+
+void Openni2Node::Offer(CameraFrame frame) {
+  const bool due = limiter_.Accept(frame.utime);
+  const std::lock_guard lock(mutex_);
+  info_ = InfoContent{frame.model, frame.serial, frame.registered};
+  if (!due) {
+    ++num_left_out_;
+    return;
+  }
+  if (newest_) ++num_left_out_;
+  newest_ = std::move(frame);
+  frame_ready_.notify_one();
+}
+
+void Openni2Node::PublishFrames(const std::stop_token& stop) {
+  while (true) {
+    std::optional<CameraFrame> frame;
+    {
+      std::unique_lock lock(mutex_);
+      if (!frame_ready_.wait(lock, stop, [this] { return newest_.has_value(); })) return;
+      frame = std::exchange(newest_, std::nullopt);
+    }
+    PublishFrame(*frame);
+  }
+}
+
+void Openni2Node::PublishFrame(const CameraFrame& frame) {
+  const steady_clock::time_point start = steady_clock::now();
+  images_t message = DepthToMessage(frame.model.width,
+                                    frame.model.height,
+                                    frame.depth_mm,
+                                    frame.utime,
+                                    image_seq_,
+                                    frame.serial,
+                                    config_.compression);
+  bus_.RecordStage("compress", SecondsSince(start));
+  if (frame.color_width > 0) {
+    image_t color{};
+    color.utime = frame.utime;
+    color.width = frame.color_width;
+    color.height = frame.color_height;
+    color.row_stride = 3 * frame.color_width;
+    color.pixelformat = image_t::PIXEL_FORMAT_RGB;
+    color.data = frame.color_rgb;
+    AppendImage(images_t::LEFT, std::move(color), &message);
+  }
+  const Result<void> published = bus_.Publish(channel_, message);
+  const double latency_s = 1e-6 * static_cast<double>(bus_.NowUtime() - frame.utime);
+  bus_.RecordStage("capture_to_publish", latency_s);
+  const std::lock_guard lock(mutex_);
+  if (!published) {
+    command_note_ = published.error().message;
+    ++num_left_out_;
+    return;
+  }
+  ++image_seq_;
+  ++num_published_;
+  latency_s_ = latency_s;
+}
+
+void Openni2Node::Poll() {
+  std::vector<CameraStatus> changes;
+  CameraStatus status;
+  std::optional<InfoContent> info;
+  {
+    const std::lock_guard lock(mutex_);
+    std::swap(changes, changes_);
+    status = status_;
+    info = info_;
+  }
+  const steady_clock::time_point now = steady_clock::now();
+  for (const CameraStatus& change : changes) PublishStatus(change);
+  if (!changes.empty()) last_status_ = now;
+  if (!last_status_ || now - *last_status_ >= kRepeatInterval) {
+    last_status_ = now;
+    PublishStatus(status);
+  }
+  if (info && (info != published_info_ || now - *last_info_ >= kRepeatInterval)) {
+    last_info_ = now;
+    published_info_ = info;
+    PublishInfo(*info);
+  }
+}
+
+void Openni2Node::PublishStatus(const CameraStatus& status) {
+  camera_status_t message{};
+  message.utime = bus_.NowUtime();
+  message.seq = status_seq_++;
+  message.name = config_.name;
+  message.serial = status.serial;
+  message.state = static_cast<int8_t>(status.state);
+  message.message = status.message;
+  message.num_captured = status.num_captured;
+  message.num_bad = status.num_bad;
+  message.num_reconnects = status.num_reconnects;
+  message.fps = status.fps;
+  message.clock_offset = status.clock_offset_s;
+  message.clock_skew = status.clock_skew_ppm;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!command_note_.empty()) {
+      message.message += (message.message.empty() ? "" : "; ") + command_note_;
+    }
+    message.num_published = num_published_;
+    message.num_dropped = num_left_out_ + status.num_bad;
+    message.latency = latency_s_;
+  }
+  bus_.SetState(message.message.empty() ? "ok" : message.message);
+  // What can't be sent now is sent again in a second.
+  (void)bus_.Publish(channel_ + "_STATUS", message);
+}
+
+void Openni2Node::PublishInfo(const InfoContent& info) {
+  CameraIdentity identity;
+  identity.name = config_.name;
+  identity.serial = info.serial;
+  identity.frame = channel_;
+  identity.registered = info.registered;
+  identity.calibration_id = config_.calibration ? config_.calibration->id : "field of view";
+  camera_info_t message = CameraToMessage(info.model, identity, bus_.NowUtime(), info_seq_++);
+  if (config_.calibration) {
+    message.distortion_model = config_.calibration->distortion_model;
+    message.distortion = config_.calibration->distortion;
+    message.num_distortion = static_cast<int32_t>(message.distortion.size());
+  }
+  (void)bus_.Publish(channel_ + "_INFO", message);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Node>> MakeOpenni2Node(Bus& bus,
+                                              const Openni2Config& config,
+                                              const std::string& process_name,
+                                              std::unique_ptr<DepthDeviceApi> api) {
+  auto node = std::make_unique<Openni2Node>(bus, config, process_name);
+  if (Result<void> started = node->Start(std::move(api)); !started) return started.error();
+  return std::unique_ptr<Node>(std::move(node));
+}
+
+Result<std::unique_ptr<Node>> MakeOpenni2Node(Bus& bus,
+                                              ConfigReader& config,
+                                              const ProcessOptions& options) {
+  const Result<Openni2Config> openni2 = ReadOpenni2Config(config, options.name);
+  if (!openni2) return openni2.error();
+  IgnoreTablesOfOthers(config);
+  // Before any hardware is touched.
+  if (Result<void> read = config.Finish(); !read) return read.error();
+  Result<std::unique_ptr<Openni2Api>> api = Openni2Api::Create();
+  if (!api) return api.error();
+  return MakeOpenni2Node(bus, *openni2, options.name, std::move(api).value());
+}
+
+}  // namespace vantage
