@@ -98,10 +98,15 @@ void PrintMending(const MeshMending& mending) {
 
 Result<void> Build(const Arguments& arguments) {
   const fs::path file = arguments.mesh;
-  const std::string id = arguments.id.empty() ? file.stem().string() : arguments.id;
-  if (Result<void> fits = CheckModelId(id); !fits) {
-    return Error{fits.error().code,
-                 fits.error().message + (arguments.id.empty() ? "; give one with --id" : "")};
+  fs::path folder = fs::path(arguments.output).lexically_normal();
+  if (folder.filename().empty()) folder = folder.parent_path();
+  const std::string id = arguments.id.empty() ? folder.filename().string() : arguments.id;
+  if (Result<void> fits = CheckModelId(id); !fits) return fits;
+  if (id != folder.filename()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("--output %s and --id %s, expected the folder's name to be the id",
+                        arguments.output.c_str(),
+                        id.c_str())};
   }
   const Result<SymmetryGroup> symmetry = ParseSymmetry(arguments.symmetry);
   if (!symmetry) return symmetry.error();
@@ -115,7 +120,7 @@ Result<void> Build(const Arguments& arguments) {
   const Result<ObjectModel> model =
       BuildObjectModel(id, std::move(mesh).value(), *symmetry, source, {});
   if (!model) return model.error();
-  Result<void> saved = SaveWithTable(*model, fs::path(arguments.output) / id, arguments.tables);
+  Result<void> saved = SaveWithTable(*model, folder, arguments.tables);
   if (!saved) return saved;
   PrintMending(*mending);
   PrintSummary(*model);
@@ -182,11 +187,12 @@ int Run(int argc, char** argv) {
   build->add_option("--unit", arguments.unit, "unit of the mesh's coordinates, mm or m")
       ->required()
       ->check(CLI::IsMember({"mm", "m"}));
-  build->add_option("--id", arguments.id, "the model's name; the mesh file's when left out");
+  build->add_option(
+      "--id", arguments.id, "the model's name; that of the output folder when left out");
   build->add_option("--symmetry",
                     arguments.symmetry,
                     "none, cyclic:2:z, dihedral:2:z:x, continuous:z or continuous-flip:z");
-  build->add_option("--output", arguments.output, "folder to put the model folder in")->required();
+  build->add_option("--output", arguments.output, "the model folder to make")->required();
   for (CLI::App* command : {generate, build}) {
     command->add_flag("!--no-tables", arguments.tables, "leave the matching tables out");
   }
