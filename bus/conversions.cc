@@ -158,7 +158,7 @@ Result<DetectionSet> DetectionsFromMessage(const detections_t& message,
   for (const detection_t& each : message.detections) {
     Result<Detection> detection = DetectionFromMessage(each);
     if (!detection) return detection.error();
-    set.detections.push_back(*std::move(detection));
+    set.detections.push_back(std::move(detection).value());
   }
   return set;
 }

@@ -107,8 +107,10 @@ Result<DepthFrame> DepthFrameFromMessage(const images_t& message) {
     const image_t& image = message.images[i];
     Result<DepthImage> depth = DepthFromImage(image, zipped);
     if (!depth) return depth.error();
-    DepthFrame frame{
-        .utime = message.utime, .seq = ImageSeq(image), .serial = {}, .image = *std::move(depth)};
+    DepthFrame frame{.utime = message.utime,
+                     .seq = ImageSeq(image),
+                     .serial = {},
+                     .image = std::move(depth).value()};
     if (const image_metadata_t* serial = FindMetadata(image, "serial"); serial != nullptr) {
       frame.serial.assign(serial->value.begin(), serial->value.end());
     }

@@ -18,10 +18,10 @@ namespace vantage {
 class LiveBus : public Bus {
  public:
   struct Options {
-    std::string url;          ///< LCM's; empty: LCM_DEFAULT_URL, or udpm://239.255.76.67:7667?ttl=0
-    std::string name;         ///< of the process, in PROCESS_STATUS
-    std::string version;      ///< in PROCESS_STATUS
-    std::string config_hash;  ///< in PROCESS_STATUS
+    std::string url{};      ///< LCM's; empty: LCM_DEFAULT_URL, or udpm://239.255.76.67:7667?ttl=0
+    std::string name{};     ///< of the process, in PROCESS_STATUS
+    std::string version{};  ///< in PROCESS_STATUS
+    std::string config_hash{};                  ///< in PROCESS_STATUS
     int receive_buffer_bytes = 4 << 20;         ///< asked of the kernel for incoming messages
     int min_receive_buffer_bytes = 128 * 1024;  ///< less than this granted is an error
 

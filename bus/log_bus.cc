@@ -22,7 +22,7 @@ Result<std::unique_ptr<LogBus>> LogBus::Create(const Options& options,
   if (!options.suppress.empty()) {
     Result<ChannelPattern> pattern = ChannelPattern::Create(options.suppress);
     if (!pattern) return pattern.error();
-    bus->suppress_ = *std::move(pattern);
+    bus->suppress_ = std::move(pattern).value();
   }
   bus->next_ = bus->input_->Next();
   if (bus->next_) bus->now_utime_ = bus->next_->utime;
@@ -37,7 +37,7 @@ Result<bool> LogBus::Step() {
     if (Result<void> delivered = DeliverPublished(); !delivered) return delivered.error();
   }
   if (!next_) return false;
-  const LogEvent event = *std::move(next_);
+  const LogEvent event = std::move(next_).value();
   now_utime_ = event.utime;
   ++counters_.num_events;
   if (suppress_ && suppress_->Matches(event.channel)) {
@@ -80,8 +80,10 @@ Result<void> LogBus::SubscribeBytes(const std::string& channel,
                                     BytesHandler handler) {
   Result<ChannelPattern> pattern = ChannelPattern::Create(channel);
   if (!pattern) return pattern.error();
-  subscriptions_.push_back(std::make_unique<Subscription>(Subscription{
-      .channel = *std::move(pattern), .fingerprint = fingerprint, .handler = std::move(handler)}));
+  subscriptions_.push_back(
+      std::make_unique<Subscription>(Subscription{.channel = std::move(pattern).value(),
+                                                  .fingerprint = fingerprint,
+                                                  .handler = std::move(handler)}));
   return {};
 }
 
