@@ -1,0 +1,181 @@
+#include "nodes/ppf_node.h"
+
+#include <cctype>
+#include <chrono>
+
+#include "bus/conversions.h"
+#include "common/format.h"
+#include "vantage/detections_t.hpp"
+
+namespace vantage {
+namespace {
+
+// For the process status alone: never part of what is published.
+double SteadySeconds() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
+
+std::string Upper(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PpfNode>> PpfNode::Create(Bus& bus,
+                                                 const PpfConfig& config,
+                                                 const std::string& process_name,
+                                                 std::unique_ptr<PpfEstimator> estimator) {
+  std::unique_ptr<PpfNode> node(new PpfNode(bus, config, process_name, std::move(estimator)));
+  if (Result<void> subscribed = node->Subscribe(); !subscribed) return subscribed.error();
+  return node;
+}
+
+PpfNode::PpfNode(Bus& bus,
+                 const PpfConfig& config,
+                 const std::string& process_name,
+                 std::unique_ptr<PpfEstimator> estimator)
+    : bus_(bus),
+      config_(config),
+      name_(process_name),
+      channel_("CAMERA_" + config.camera),
+      estimator_(std::move(estimator)) {}
+
+Result<void> PpfNode::Subscribe() {
+  const SubscribeOptions all{SubscribeOptions::Keep::kAll};
+  const SubscribeOptions latest{SubscribeOptions::Keep::kLatest};
+  Result<void> subscribed = bus_.Subscribe<camera_info_t>(
+      channel_ + "_INFO", latest, [this](const Envelope&, const camera_info_t& message) {
+        OnInfo(message);
+      });
+  if (!subscribed) return subscribed;
+  subscribed = bus_.Subscribe<rigid_transform_t>(
+      channel_ + "_TO_WORLD", all, [this](const Envelope&, const rigid_transform_t& message) {
+        OnPose(message);
+      });
+  if (!subscribed) return subscribed;
+  return bus_.Subscribe<images_t>(
+      channel_, latest, [this](const Envelope&, const images_t& message) { OnImages(message); });
+}
+
+void PpfNode::Report(const std::string& problem) {
+  if (problem == state_) return;
+  state_ = problem;
+  bus_.SetState(problem);
+}
+
+void PpfNode::OnInfo(const camera_info_t& message) {
+  const Result<CameraModel> camera = CameraFromMessage(message);
+  if (!camera) {
+    Report(channel_ + "_INFO: " + camera.error().message);
+    return;
+  }
+  camera_ = *camera;
+  ProcessPending();
+}
+
+void PpfNode::OnPose(const rigid_transform_t& message) {
+  const Result<Pose> pose = PoseFromMessage(message);
+  if (!pose) {
+    Report(channel_ + "_TO_WORLD: " + pose.error().message);
+    return;
+  }
+  poses_.Add(message.utime, *pose);
+  ProcessPending();
+}
+
+void PpfNode::OnImages(const images_t& message) {
+  Result<DepthFrame> frame = DepthFrameFromMessage(message);
+  if (!frame) {
+    Report(channel_ + ": " + frame.error().message);
+    return;
+  }
+  pending_.push_back(std::move(frame).value());
+  if (pending_.size() > kMaxPending) {
+    pending_.pop_front();
+    Report(camera_ ? "images come, but no poses of their time on " + channel_ + "_TO_WORLD"
+                   : "images come, but no calibration on " + channel_ + "_INFO");
+  }
+  ProcessPending();
+}
+
+// Whether the camera was at rest is known only when poses of some time after the image are there.
+void PpfNode::ProcessPending() {
+  const std::optional<int64_t> newest = poses_.Newest();
+  if (!camera_ || !newest) return;
+  const auto window = static_cast<int64_t>(1e6 * config_.rest_window_s);
+  std::deque<DepthFrame> waiting;
+  std::deque<DepthFrame> images;
+  images.swap(pending_);
+  for (DepthFrame& frame : images) {
+    if (*newest < frame.utime + window) {
+      waiting.push_back(std::move(frame));
+      continue;
+    }
+    if (!poses_.RestsAt(frame.utime, window)) continue;
+    const std::optional<Pose> T_world_camera = poses_.At(frame.utime);
+    if (T_world_camera) Process(frame, *T_world_camera);
+  }
+  pending_ = std::move(waiting);
+}
+
+void PpfNode::Process(const DepthFrame& frame, const Pose& T_world_camera) {
+  if (frame.image.width != camera_->width || frame.image.height != camera_->height) {
+    Report(Format("%s has %d x %d px, expected the %d x %d px of %s_INFO",
+                  channel_.c_str(),
+                  frame.image.width,
+                  frame.image.height,
+                  camera_->width,
+                  camera_->height,
+                  channel_.c_str()));
+    return;
+  }
+  const int64_t start = bus_.NowUtime();
+  // Of the image alone, so that no image's result depends on those before.
+  Rng rng(config_.seed, static_cast<uint64_t>(frame.utime));
+  StageTimes times;
+  times.clock = SteadySeconds;
+  const double begin = SteadySeconds();
+  PpfEstimator::Output output = estimator_->Estimate(frame.image, *camera_, rng, &times);
+
+  DetectionSet set;
+  set.utime = frame.utime;
+  set.seq = seq_++;
+  set.camera = config_.camera;
+  set.image_seq = frame.seq;
+  set.estimator = name_;
+  set.T_world_camera = T_world_camera;
+  // 0 over a log, so that every rerun writes the same bytes.
+  set.compute_time = 1e-6 * static_cast<double>(bus_.NowUtime() - start);
+  set.num_clusters = output.num_clusters;
+  set.detections = std::move(output.detections);
+  const Result<void> sent = bus_.Publish("DETECTIONS_" + Upper(name_), DetectionsToMessage(set));
+  Report(sent ? "ok" : sent.error().message);
+
+  bus_.RecordStage("segmentation", times.segmentation);
+  bus_.RecordStage("normals", times.normals);
+  bus_.RecordStage("voting", times.voting);
+  bus_.RecordStage("verification", times.verification);
+  bus_.RecordStage("refinement", times.refinement);
+  bus_.RecordStage("total", SteadySeconds() - begin);
+}
+
+Result<std::unique_ptr<Node>> MakePpfNode(Bus& bus,
+                                          ConfigReader& config,
+                                          const ProcessOptions& options) {
+  const Result<PpfConfig> read = ReadPpfConfig(config);
+  if (!read) return read.error();
+  Result<std::vector<PpfEstimator::Model>> models =
+      LoadPpfModels(read->models, read->use, read->estimator.table);
+  if (!models) return models.error();
+  Result<std::unique_ptr<PpfEstimator>> estimator =
+      PpfEstimator::Create(std::move(models).value(), read->estimator);
+  if (!estimator) return estimator.error();
+  Result<std::unique_ptr<PpfNode>> node =
+      PpfNode::Create(bus, *read, options.name, std::move(estimator).value());
+  if (!node) return node.error();
+  return std::unique_ptr<Node>(std::move(node).value());
+}
+
+}  // namespace vantage

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "bus/bus.h"
+#include "bus/image_conversion.h"
+#include "common/pose_buffer.h"
+#include "nodes/config_reader.h"
+#include "nodes/node.h"
+#include "nodes/ppf_config.h"
+#include "nodes/process.h"
+#include "perception/ppf/ppf_estimator.h"
+#include "vantage/camera_info_t.hpp"
+#include "vantage/images_t.hpp"
+#include "vantage/rigid_transform_t.hpp"
+
+namespace vantage {
+
+/// vantage-ppf: detections_t on DETECTIONS_<NAME> for every image of its camera taken at rest, also
+/// when nothing was found in it. NAME is the process's in capitals.
+class PpfNode : public Node {
+ public:
+  /// Subscribes to CAMERA_<NAME>, _INFO and _TO_WORLD. `bus` outlives the node.
+  static Result<std::unique_ptr<PpfNode>> Create(Bus& bus,
+                                                 const PpfConfig& config,
+                                                 const std::string& process_name,
+                                                 std::unique_ptr<PpfEstimator> estimator);
+
+ private:
+  PpfNode(Bus& bus,
+          const PpfConfig& config,
+          const std::string& process_name,
+          std::unique_ptr<PpfEstimator> estimator);
+  Result<void> Subscribe();
+  void OnImages(const images_t& message);
+  void OnInfo(const camera_info_t& message);
+  void OnPose(const rigid_transform_t& message);
+  void ProcessPending();
+  void Process(const DepthFrame& frame, const Pose& T_world_camera);
+  void Report(const std::string& problem);
+
+  static constexpr size_t kMaxPending = 16;  // Images that wait for poses or the calibration.
+
+  Bus& bus_;
+  PpfConfig config_;
+  std::string name_;
+  std::string channel_;  // Of the camera.
+  std::unique_ptr<PpfEstimator> estimator_;
+  std::optional<CameraModel> camera_;
+  PoseBuffer poses_;
+  std::deque<DepthFrame> pending_;
+  int64_t seq_ = 0;
+  std::string state_ = "ok";
+};
+
+/// For RunProcess. Errors: the config, or the models.
+Result<std::unique_ptr<Node>> MakePpfNode(Bus& bus,
+                                          ConfigReader& config,
+                                          const ProcessOptions& options);
+
+}  // namespace vantage
