@@ -7,11 +7,10 @@
 # Makes the module library TARGET the plugin FOLDER/OpenNI2/Drivers/libTARGET.so.0. It lives in one
 # process with programs that hold the same static libraries, so it shows only the symbols that
 # the linker's version script EXPORTS names.
-set(VANTAGE_OPENNI2_EXPORTS ${CMAKE_CURRENT_LIST_DIR}/openni2_plugin.map)
 function(vantage_openni2_plugin target folder)
   cmake_parse_arguments(ARG "" "EXPORTS" "" ${ARGN})
   if(NOT ARG_EXPORTS)
-    set(ARG_EXPORTS ${VANTAGE_OPENNI2_EXPORTS})
+    set(ARG_EXPORTS ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/openni2_plugin.map)
   endif()
   find_library(OPENNI2_LIBRARY OpenNI2 REQUIRED)
   file(REAL_PATH ${OPENNI2_LIBRARY} library)

@@ -26,7 +26,7 @@ Result<void> SensorModelParameters::Validate() const {
       {"axial_sigma", axial_sigma, 0.0, 10.0},
       {"grazing_sigma", grazing_sigma, 0.0, 0.1},
       {"correlation", correlation, 0.0, 20.0},
-      {"lateral_sigma", lateral_sigma, 0.0, 10.0},
+      {"lateral_sigma", lateral_sigma, 0.0, 4.0},
       {"lateral_sigma_angle", lateral_sigma_angle, 0.0, 1.0},
       {"edge_step", edge_step, 0.01, 100.0},
       {"dropout_start", dropout_start, 0.0, 90.0 * kDegree},

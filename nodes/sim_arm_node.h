@@ -1,0 +1,59 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "bus/bus.h"
+#include "common/result.h"
+#include "drivers/sim/sim_arm.h"
+#include "nodes/config_reader.h"
+#include "nodes/node.h"
+#include "nodes/process.h"
+#include "vantage/next_view_t.hpp"
+
+namespace vantage {
+
+/// The simulated robot on the bus: carries the camera where NEXT_VIEW says, publishes
+/// CAMERA_<NAME>_TO_WORLD at 100 Hz and ARM_STATUS at 10 Hz and after every change.
+class SimArmNode : public Node {
+ public:
+  SimArmNode(Bus& bus, const SimArmParameters& parameters, const std::string& camera_name);
+
+  /// Errors: the bus refuses the subscription.
+  Result<void> Subscribe();
+
+  void Poll() override;
+  [[nodiscard]] std::chrono::milliseconds poll_interval() const override {
+    return std::chrono::milliseconds(5);
+  }
+
+ private:
+  void HandleNextView(const next_view_t& view);
+  void PublishPose(int64_t now);
+  void PublishStatus(int64_t now);
+  [[nodiscard]] double Seconds(int64_t utime) const;
+
+  Bus& bus_;
+  SimArm arm_;
+  const std::string camera_name_;
+  const std::string pose_channel_;
+  const int64_t start_utime_;
+  int64_t next_pose_utime_ = 0;
+  int64_t next_status_utime_ = 0;
+  int64_t status_seq_ = 0;
+  int8_t last_state_ = -1;
+  // The last view that was decided on.
+  int64_t view_seq_ = -1;
+  std::optional<Pose> view_pose_;
+  std::string refusal_;  // Why it was refused; empty if it was accepted.
+};
+
+/// Reads [sim] and [sim.arm]. Errors: config, bus.
+Result<std::unique_ptr<Node>> MakeSimArmNode(Bus& bus,
+                                             ConfigReader& config,
+                                             const ProcessOptions& options);
+
+}  // namespace vantage
