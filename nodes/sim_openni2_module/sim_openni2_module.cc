@@ -1,5 +1,6 @@
 // What OpenNI2 loads: the simulated camera that VANTAGE_SIM_CONFIG describes.
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -11,9 +12,18 @@
 namespace vantage {
 namespace {
 
-Result<std::optional<SimDeviceSetup>> DeviceFromEnvironment() {
+/// VANTAGE_SIM_CONFIG; empty when it is not set. OpenNI2 changes the working folder while it loads
+/// plugins, so a relative path starts at the folder that the shell gave the program.
+std::filesystem::path ConfigFile() {
   const char* file = std::getenv("VANTAGE_SIM_CONFIG");
-  if (file == nullptr || *file == '\0') return std::optional<SimDeviceSetup>();
+  const char* folder = std::getenv("PWD");
+  if (file == nullptr || *file == '\0') return {};
+  return std::filesystem::path(folder == nullptr ? "" : folder) / file;
+}
+
+Result<std::optional<SimDeviceSetup>> DeviceFromEnvironment() {
+  const std::filesystem::path file = ConfigFile();
+  if (file.empty()) return std::optional<SimDeviceSetup>();
   Result<ConfigReader> config = ConfigReader::Open(file);
   if (!config) return config.error();
   LiveBus::Options options;

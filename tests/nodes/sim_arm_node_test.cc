@@ -1,0 +1,196 @@
+#include "nodes/sim_arm_node.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bus/conversions.h"
+#include "bus/message_check.h"
+#include "vantage/arm_status_t.hpp"
+#include "vantage/rigid_transform_t.hpp"
+
+namespace vantage {
+namespace {
+
+/// A bus in memory with a clock that the test sets.
+class TestBus : public Bus {
+ public:
+  void RecordStage(const std::string&, double) override {}
+  void RecordLost(const std::string&, int64_t) override {}
+  void SetState(const std::string& text) override { state = text; }
+  [[nodiscard]] int64_t NowUtime() const override { return now; }
+
+  template <class Message>
+  void Send(const std::string& channel, const Message& message) {
+    handlers.at(channel)({channel, now}, Encode(message));
+  }
+  template <class Message>
+  std::vector<Message> Take(const std::string& channel) {
+    std::vector<Message> messages;
+    for (const std::vector<std::byte>& bytes : sent[channel]) {
+      messages.push_back(*DecodeChecked<Message>(bytes));
+    }
+    sent.erase(channel);
+    return messages;
+  }
+
+  int64_t now = 1'700'000'000'000'000;
+  std::string state;
+  std::map<std::string, BytesHandler> handlers;
+  std::map<std::string, std::vector<std::vector<std::byte>>> sent;
+
+ protected:
+  Result<void> SubscribeBytes(const std::string& channel,
+                              int64_t,
+                              SubscribeOptions,
+                              BytesHandler handler) override {
+    handlers[channel] = std::move(handler);
+    return {};
+  }
+  Result<void> PublishBytes(const std::string& channel, std::span<const std::byte> bytes) override {
+    sent[channel].emplace_back(bytes.begin(), bytes.end());
+    return {};
+  }
+};
+
+const Eigen::Vector3d kTarget(0.0, 0.0, 0.05);
+
+Pose View(double azimuth_deg, double elevation_deg) {
+  return ViewOnSphere(kTarget, azimuth_deg * kDegree, elevation_deg * kDegree, 0.75);
+}
+
+next_view_t NextView(int64_t seq, const Pose& pose) {
+  next_view_t view{};
+  view.seq = seq;
+  view_candidate_t candidate{};
+  const rigid_transform_t wire = PoseToMessage(pose, 0);
+  std::copy_n(wire.trans, 3, candidate.trans);
+  std::copy_n(wire.quat, 4, candidate.quat);
+  view.candidates = {candidate};
+  view.num_candidates = 1;
+  return view;
+}
+
+class SimArmNodeTest : public ::testing::Test {
+ protected:
+  SimArmNodeTest() : node_(bus_, SimArmParameters{}, "XTION") {
+    EXPECT_TRUE(node_.Subscribe().ok());
+  }
+  void Run(double seconds) {
+    for (int64_t end = bus_.now + std::llround(1e6 * seconds); bus_.now < end; bus_.now += 5000) {
+      node_.Poll();
+    }
+  }
+  arm_status_t LastStatus() { return bus_.Take<arm_status_t>("ARM_STATUS").back(); }
+  Pose LastPose() {
+    return *PoseFromMessage(bus_.Take<rigid_transform_t>("CAMERA_XTION_TO_WORLD").back());
+  }
+
+  TestBus bus_;
+  SimArmNode node_;
+};
+
+TEST_F(SimArmNodeTest, PublishesPosesAt100HzAndStatusAt10) {
+  Run(2.0);
+  const auto poses = bus_.Take<rigid_transform_t>("CAMERA_XTION_TO_WORLD");
+  EXPECT_EQ(poses.size(), 200U);
+  for (size_t i = 1; i < poses.size(); ++i) EXPECT_EQ(poses[i].utime - poses[i - 1].utime, 10'000);
+  EXPECT_LT((PoseFromMessage(poses[0])->translation() - View(-90.0, 45.0).translation()).norm(),
+            1e-9);
+  const auto statuses = bus_.Take<arm_status_t>("ARM_STATUS");
+  EXPECT_NEAR(static_cast<double>(statuses.size()), 20.0, 1.0);
+  EXPECT_EQ(statuses.back().state, arm_status_t::RESTING);
+  EXPECT_EQ(statuses.back().view_seq, -1);
+  EXPECT_EQ(statuses.back().name, "XTION");
+  EXPECT_EQ(bus_.state, "ok");
+}
+
+TEST_F(SimArmNodeTest, GoesToTheNextViewAndSaysSo) {
+  Run(0.2);
+  bus_.Send("NEXT_VIEW", NextView(7, View(0.0, 60.0)));
+  const arm_status_t moving = LastStatus();
+  EXPECT_EQ(moving.state, arm_status_t::MOVING);
+  EXPECT_EQ(moving.view_seq, 7);
+  EXPECT_GT(moving.remaining, 1.0);
+  Run(moving.remaining + 0.2);
+  EXPECT_EQ(LastStatus().state, arm_status_t::RESTING);
+  EXPECT_LT((LastPose().translation() - View(0.0, 60.0).translation()).norm(), 1e-9);
+}
+
+TEST_F(SimArmNodeTest, RefusesOutOfReachWithAReasonUntilTheNextGoodView) {
+  bus_.Send("NEXT_VIEW", NextView(1, View(0.0, 10.0)));
+  const arm_status_t refused = LastStatus();
+  EXPECT_EQ(refused.state, arm_status_t::REFUSED);
+  EXPECT_EQ(refused.view_seq, 1);
+  EXPECT_EQ(refused.reason, "elevation 10.0 deg is below the lowest 20.0 deg");
+  bus_.Send("NEXT_VIEW", NextView(2, View(0.0, 40.0)));
+  const arm_status_t accepted = LastStatus();
+  EXPECT_EQ(accepted.state, arm_status_t::MOVING);
+  EXPECT_EQ(accepted.reason, "");
+}
+
+TEST_F(SimArmNodeTest, ARepeatedDecisionIsTakenOnce) {
+  const next_view_t view = NextView(3, View(0.0, 60.0));
+  bus_.Send("NEXT_VIEW", view);
+  const double remaining = LastStatus().remaining;
+  Run(1.0);
+  bus_.sent.clear();
+  bus_.Send("NEXT_VIEW", view);
+  EXPECT_TRUE(bus_.sent.empty());
+  Run(remaining);
+  EXPECT_EQ(LastStatus().state, arm_status_t::RESTING);
+}
+
+TEST_F(SimArmNodeTest, ARestartedPlannerMayBeginItsCountAgain) {
+  bus_.Send("NEXT_VIEW", NextView(0, View(-60.0, 45.0)));
+  Run(5.0);
+  bus_.Send("NEXT_VIEW", NextView(0, View(-90.0, 60.0)));
+  EXPECT_EQ(LastStatus().state, arm_status_t::MOVING);
+  Run(5.0);
+  EXPECT_LT((LastPose().translation() - View(-90.0, 60.0).translation()).norm(), 1e-9);
+}
+
+TEST_F(SimArmNodeTest, StaysWhenNothingIsSelected) {
+  next_view_t view = NextView(4, View(0.0, 60.0));
+  view.selected = -1;
+  bus_.Send("NEXT_VIEW", view);
+  Run(0.5);
+  EXPECT_EQ(LastStatus().state, arm_status_t::RESTING);
+}
+
+TEST_F(SimArmNodeTest, NonsenseIsRefused) {
+  next_view_t view = NextView(5, View(0.0, 60.0));
+  view.selected = 1;
+  bus_.Send("NEXT_VIEW", view);
+  EXPECT_EQ(LastStatus().reason, "candidate 1 is selected of 1");
+  view.selected = 0;
+  view.candidates[0].quat[0] = 9.0;
+  bus_.Send("NEXT_VIEW", view);
+  const arm_status_t status = LastStatus();
+  EXPECT_EQ(status.state, arm_status_t::REFUSED);
+  EXPECT_NE(status.reason.find("norm"), std::string::npos);
+}
+
+TEST_F(SimArmNodeTest, AClockThatIsSetBackDoesNotSilenceIt) {
+  Run(0.5);
+  bus_.now -= 3'600'000'000;
+  bus_.sent.clear();
+  Run(0.5);
+  EXPECT_GE(bus_.Take<rigid_transform_t>("CAMERA_XTION_TO_WORLD").size(), 49U);
+  EXPECT_GE(bus_.Take<arm_status_t>("ARM_STATUS").size(), 4U);
+}
+
+TEST(MakeSimArmNode, NamesAWrongKey) {
+  TestBus bus;
+  Result<ConfigReader> config = ConfigReader::Parse("[sim.arm]\nspeed = 1.0\n", "test.toml");
+  ASSERT_TRUE(config.ok());
+  const auto node = MakeSimArmNode(bus, *config, {});
+  ASSERT_FALSE(node.ok());
+  EXPECT_NE(node.error().message.find("sim.arm.speed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace vantage
