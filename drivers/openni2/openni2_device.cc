@@ -36,6 +36,11 @@ std::optional<VideoMode> FindMode(const openni::SensorInfo& sensor,
   return std::nullopt;
 }
 
+bool SameMode(const VideoMode& a, const VideoMode& b) {
+  return a.getResolutionX() == b.getResolutionX() && a.getResolutionY() == b.getResolutionY() &&
+         a.getFps() == b.getFps() && a.getPixelFormat() == b.getPixelFormat();
+}
+
 std::string ModeList(const openni::SensorInfo& sensor) {
   std::string list;
   const openni::Array<VideoMode>& modes = sensor.getSupportedVideoModes();
@@ -177,7 +182,11 @@ Result<void> Openni2Device::StartDepth(const StreamRequest& request, StreamDetai
                           request.fps,
                           ModeList(depth_.getSensorInfo()).c_str())};
     }
-    if (depth_.setVideoMode(*mode) != openni::STATUS_OK) return Refusal("refuses its own mode");
+    // Some drivers with a single mode refuse to have it set.
+    if (depth_.setVideoMode(*mode) != openni::STATUS_OK &&
+        !SameMode(depth_.getVideoMode(), *mode)) {
+      return Refusal("refuses its own mode");
+    }
   }
   const VideoMode mode = depth_.getVideoMode();
   if (mode.getPixelFormat() != openni::PIXEL_FORMAT_DEPTH_1_MM &&

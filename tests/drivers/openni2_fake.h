@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -45,6 +46,13 @@ class FakeHost {
     return details;
   }
 
+  std::function<void()> on_time;  ///< called whenever the clock moves on, by who moved it
+
+  void Pass(int64_t duration_us) {
+    now_us += duration_us;
+    if (on_time) on_time();
+  }
+
   int64_t now_us = 1'000'000;
   int64_t wall_offset_us = 1'700'000'000'000'000;
   int64_t device_offset_us = 77'000'000;
@@ -79,10 +87,10 @@ class FakeDevice : public DepthDevice {
     if (host_.frames_until_end == 0) return ReadResult::kEnd;
     if (host_.frames_until_end > 0) --host_.frames_until_end;
     if (host_.stalled || timeout_us < FakeHost::kPeriodUs) {
-      host_.now_us += timeout_us;
+      host_.Pass(timeout_us);
       return ReadResult::kTimeout;
     }
-    if (!host_.details.is_recording) host_.now_us += FakeHost::kPeriodUs;
+    if (!host_.details.is_recording) host_.Pass(FakeHost::kPeriodUs);
     FillFrame(frame);
     return ReadResult::kFrame;
   }
@@ -164,12 +172,12 @@ class FakeApi : public DepthDeviceApi {
   }
   bool WaitForDevice(std::chrono::milliseconds timeout) override {
     if (std::exchange(host_.pressed_by_event, false)) return true;
-    host_.now_us += std::chrono::microseconds(timeout).count();
+    host_.Pass(std::chrono::microseconds(timeout).count());
     return false;
   }
   int64_t MonotonicUs() override { return host_.now_us; }
   int64_t WallUs() override { return host_.now_us + host_.wall_offset_us; }
-  void Sleep(std::chrono::microseconds duration) override { host_.now_us += duration.count(); }
+  void Sleep(std::chrono::microseconds duration) override { host_.Pass(duration.count()); }
 
  private:
   FakeHost& host_;

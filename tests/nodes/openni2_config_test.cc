@@ -1,0 +1,154 @@
+#include "nodes/openni2_config.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "common/format.h"
+#include "nodes/process.h"
+
+namespace vantage {
+namespace {
+
+// The config, or the sentence that says why not.
+struct Outcome {
+  Openni2Config config;
+  std::string error;
+};
+
+Outcome Read(const std::string& text, const std::string& process_name = "openni2") {
+  Result<ConfigReader> reader = ConfigReader::Parse(text, "x.toml");
+  if (!reader) return {{}, reader.error().message};
+  const Result<Openni2Config> config = ReadOpenni2Config(*reader, process_name);
+  if (!config) return {{}, config.error().message};
+  IgnoreTablesOfOthers(*reader);
+  const Result<void> finished = reader->Finish();
+  return {*config, finished ? std::string() : finished.error().message};
+}
+
+class CalibrationFile {
+ public:
+  explicit CalibrationFile(const std::string& text) { std::ofstream(path_) << text; }
+  ~CalibrationFile() { std::filesystem::remove(path_); }
+  CalibrationFile(const CalibrationFile&) = delete;
+  CalibrationFile& operator=(const CalibrationFile&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_ = testing::TempDir() + Format("openni2_config_test.%d.toml", getpid());
+};
+
+const char* const kCalibration =
+    "width_px = 640\nheight_px = 480\nfx_px = 570.0\nfy_px = 571.0\ncx_px = 319.0\ncy_px = 240.0\n";
+
+TEST(Openni2Config, DefaultsSuitAnXtion) {
+  const Outcome read = Read("[camera.XTION]\ndevice = \"index:0\"\n");
+  ASSERT_EQ(read.error, "");
+  EXPECT_EQ(read.config.name, "XTION");
+  EXPECT_EQ(read.config.stream.width, 640);
+  EXPECT_EQ(read.config.stream.fps, 30);
+  EXPECT_EQ(read.config.rate_hz, 10.0);
+  EXPECT_EQ(read.config.compression, DepthCompression::kZlib);
+  EXPECT_FALSE(read.config.calibration.has_value());
+}
+
+TEST(Openni2Config, TheDemosConfigIsRead) {
+  Result<ConfigReader> reader = ConfigReader::Open(VANTAGE_SOURCE_DIR "/config/demo.toml");
+  ASSERT_TRUE(reader.ok());
+  const Result<Openni2Config> config = ReadOpenni2Config(*reader, "openni2");
+  ASSERT_TRUE(config.ok());
+  EXPECT_EQ(config->device.Text(), "serial:SIM0001");
+  IgnoreTablesOfOthers(*reader);
+  EXPECT_TRUE(reader->Finish().ok());
+}
+
+TEST(Openni2Config, ProcessNameChoosesTheCamera) {
+  const std::string two =
+      "[camera.LEFT]\ndevice = \"index:0\"\n[camera.RIGHT]\ndevice = \"index:1\"\nother = 1\n";
+  EXPECT_EQ(Read(two).config.name, "LEFT");
+  EXPECT_EQ(Read(two).error, "");
+  EXPECT_EQ(Read(two, "openni2-right").config.name, "RIGHT");
+  EXPECT_NE(Read(two, "openni2-right").error.find("camera.RIGHT.other"), std::string::npos);
+  EXPECT_EQ(Read(two, "openni2-top").error,
+            "the process name openni2-top belongs to no [camera.<NAME>] of the config, expected "
+            "one of: openni2-left, openni2-right");
+}
+
+TEST(Openni2Config, ErrorsNameTheKeyAndTheBound) {
+  const std::string camera = "[camera.XTION]\n";
+  const std::string device = camera + "device = \"index:0\"\n";
+  const struct {
+    std::string text;
+    std::string expected;
+  } cases[] = {
+      {"", "the config has no [camera.<NAME>]"},
+      {"[camera.xtion]\ndevice = \"index:0\"\n", "[camera.xtion]: expected a name of"},
+      {camera, "camera.XTION.device"},
+      {camera + "device = \"first\"\n", "expected \"index:N\""},
+      {device + "fsp = 30\n", "camera.XTION.fsp = 30: unknown key"},
+      {device + "fps = 0\n", "camera.XTION.fps = 0: expected a number from 1 to 1000"},
+      {device + "width_px = 100000\n", "camera.XTION.width_px = 100000"},
+      {device + "rate_hz = -1.0\n", "camera.XTION.rate_hz"},
+      {device + "stall_timeout_s = 0.0\n", "camera.XTION.stall_timeout_s"},
+      {device + "compression = \"png\"\n", "expected one of \"zlib\" \"none\""},
+      {device + "color = 1\n", "expected true or false"},
+      {device + "calibration = \"/no/such.toml\"\n", "calibration file /no/such.toml is not there"},
+  };
+  for (const auto& each : cases) {
+    EXPECT_NE(Read(each.text).error.find(each.expected), std::string::npos)
+        << each.text << " gave: " << Read(each.text).error;
+  }
+}
+
+TEST(CameraCalibration, IsReadWithItsDistortion) {
+  const CalibrationFile file(
+      std::string(kCalibration) +
+      "distortion_model = \"brown_conrady\"\ndistortion = [0.1, -0.2, 0.0, 0.001, 0.0]\n");
+  const Result<CameraCalibration> calibration = LoadCameraCalibration(file.path());
+  ASSERT_TRUE(calibration.ok()) << calibration.error().message;
+  EXPECT_EQ(calibration->model.fy, 571.0);
+  EXPECT_EQ(calibration->distortion, (std::vector<double>{0.1, -0.2, 0.0, 0.001, 0.0}));
+  EXPECT_TRUE(calibration->id.ends_with("#" + calibration->id.substr(calibration->id.size() - 16)));
+
+  const Outcome read =
+      Read("[camera.XTION]\ndevice = \"index:0\"\ncalibration = \"" + file.path() + "\"\n");
+  ASSERT_EQ(read.error, "");
+  ASSERT_TRUE(read.config.calibration.has_value());
+  EXPECT_EQ(read.config.calibration->distortion_model, "brown_conrady");
+}
+
+TEST(CameraCalibration, OfAnotherSizeIsRefused) {
+  const CalibrationFile file(kCalibration);
+  const std::string text = "[camera.XTION]\nwidth_px = 320\nheight_px = 240\ncalibration = \"" +
+                           file.path() + "\"\ndevice = ";
+  EXPECT_NE(Read(text + "\"index:0\"\n").error.find("is for 640 x 480 px, expected the 320 x 240"),
+            std::string::npos);
+  // A recording has the size that it has.
+  EXPECT_EQ(Read(text + "\"oni:x.oni\"\n").error, "");
+}
+
+TEST(CameraCalibration, ErrorsNameFileAndKey) {
+  const struct {
+    std::string text;
+    std::string expected;
+  } cases[] = {
+      {"width_px = 640\n", "height_px"},
+      {std::string(kCalibration) + "k1 = 0.5\n", "k1 = 0.5: unknown key"},
+      {std::string(kCalibration) + "distortion_model = \"fisheye\"\n", "brown_conrady"},
+      {std::string(kCalibration) + "distortion_model = \"brown_conrady\"\n", "distortion"},
+      {std::string(kCalibration) + "distortion = [0, 0, 0, 0, 0]\n", "distortion"},
+      {"no toml", "no valid TOML"},
+  };
+  for (const auto& each : cases) {
+    const CalibrationFile file(each.text);
+    const Result<CameraCalibration> calibration = LoadCameraCalibration(file.path());
+    ASSERT_FALSE(calibration.ok()) << each.text;
+    EXPECT_NE(calibration.error().message.find(file.path()), std::string::npos);
+    EXPECT_NE(calibration.error().message.find(each.expected), std::string::npos)
+        << calibration.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace vantage
