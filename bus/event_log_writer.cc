@@ -58,9 +58,10 @@ Result<void> EventLogWriter::Write(int64_t utime,
                            .data_bytes = static_cast<int32_t>(data.size())};
   std::array<std::byte, EventHeader::kBytes> bytes{};
   header.Store(bytes);
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stream_) == bytes.size() &&
-                       std::fwrite(channel.data(), 1, channel.size(), stream_) == channel.size() &&
-                       std::fwrite(data.data(), 1, data.size(), stream_) == data.size();
+  const bool written =
+      std::fwrite(bytes.data(), 1, bytes.size(), stream_) == bytes.size() &&
+      std::fwrite(channel.data(), 1, channel.size(), stream_) == channel.size() &&
+      (data.empty() || std::fwrite(data.data(), 1, data.size(), stream_) == data.size());
   if (!written) return Refused(file_, "written");
   ++num_events_;
   return {};
