@@ -1,146 +1,25 @@
 #include "fusion/tracker_state.h"
 
-#include <charconv>
-#include <cmath>
-#include <cstdlib>
-#include <string_view>
 #include <utility>
 
 #include "common/format.h"
+#include "fusion/state_text.h"
 
 namespace vantage {
 namespace {
-
-// Hexadecimal floating point is exact.
-std::string FormatNumber(double value) { return Format("%a", value); }
-
-// With its length, since names may hold any character.
-std::string FormatName(const std::string& name) { return Format("%zu:", name.size()) + name; }
-
-std::string FormatPose(const Pose& pose) {
-  std::string text;
-  for (Eigen::Index row = 0; row < 3; ++row) {
-    for (Eigen::Index column = 0; column < 4; ++column) {
-      text.append(" ").append(FormatNumber(pose.matrix()(row, column)));
-    }
-  }
-  return text;
-}
 
 std::string FormatKey(const SetKey& key) {
   return Format("%lld %lld ", static_cast<long long>(key.seq), static_cast<long long>(key.utime)) +
          FormatName(key.channel);
 }
 
-// Takes a state's text apart; once something is not as expected, all that follows is 0 or empty.
-class StateReader {
- public:
-  explicit StateReader(std::string_view text) : text_(text) {}
-
-  void Keyword(std::string_view keyword) {
-    if (Word() != keyword) Fail(Format("\"%s\"", std::string(keyword).c_str()));
-  }
-
-  template <class Integer>
-  Integer Number(Integer lowest, Integer highest) {
-    const std::string_view word = Word();
-    Integer value{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || value < lowest ||
-        value > highest) {
-      Fail("a number in its range");
-      return Integer{};
-    }
-    return value;
-  }
-
-  // A count of records, each of at least a line.
-  size_t Count() {
-    return static_cast<size_t>(Number<int64_t>(0, static_cast<int64_t>(text_.size())));
-  }
-
-  double Real() {
-    const std::string word(Word());
-    char* end = nullptr;
-    const double value = std::strtod(word.c_str(), &end);
-    if (word.empty() || *end != '\0' || !std::isfinite(value)) {
-      Fail("a finite number");
-      return 0.0;
-    }
-    return value;
-  }
-
-  std::string Name() {
-    SkipSpace();
-    const size_t colon = text_.find(':', position_);
-    size_t length = 0;
-    if (colon != std::string_view::npos) {
-      const auto [end, error] =
-          std::from_chars(text_.data() + position_, text_.data() + colon, length);
-      if (error == std::errc() && end == text_.data() + colon &&
-          length <= text_.size() - colon - 1) {
-        position_ = colon + 1 + length;
-        return std::string(text_.substr(colon + 1, length));
-      }
-    }
-    Fail("a name with its length");
-    return {};
-  }
-
-  Pose RigidPose() {
-    Pose pose = Pose::Identity();
-    for (Eigen::Index row = 0; row < 3; ++row) {
-      for (Eigen::Index column = 0; column < 4; ++column) pose.matrix()(row, column) = Real();
-    }
-    const Eigen::Matrix3d R = pose.linear();
-    if (!((R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3)) {
-      Fail("a rigid transform");
-    }
-    return pose;
-  }
-
-  SetKey Key() {
-    SetKey key;
-    key.seq = Number<int64_t>(INT64_MIN, INT64_MAX);
-    key.utime = Number<int64_t>(INT64_MIN, INT64_MAX);
-    key.channel = Name();
-    return key;
-  }
-
-  void End() {
-    SkipSpace();
-    if (position_ != text_.size()) Fail("the end");
-  }
-
-  void Fail(const std::string& expected) {
-    if (!error_.empty()) return;
-    size_t line = 1;
-    for (size_t i = 0; i < position_ && i < text_.size(); ++i) line += text_[i] == '\n' ? 1 : 0;
-    error_ = Format("line %zu: expected %s", line, expected.c_str());
-  }
-
-  [[nodiscard]] bool failed() const { return !error_.empty(); }
-  [[nodiscard]] const std::string& error() const { return error_; }
-
- private:
-  static bool IsSpace(char c) { return c == ' ' || c == '\n'; }
-
-  void SkipSpace() {
-    while (position_ < text_.size() && IsSpace(text_[position_])) ++position_;
-  }
-
-  std::string_view Word() {
-    if (failed()) return {};
-    SkipSpace();
-    const size_t begin = position_;
-    while (position_ < text_.size() && !IsSpace(text_[position_])) ++position_;
-    return text_.substr(begin, position_ - begin);
-  }
-
-  std::string_view text_;
-  size_t position_ = 0;
-  std::string error_;
-};
+SetKey ReadKey(StateReader& reader) {
+  SetKey key;
+  key.seq = reader.Number<int64_t>(INT64_MIN, INT64_MAX);
+  key.utime = reader.Number<int64_t>(INT64_MIN, INT64_MAX);
+  key.channel = reader.Name();
+  return key;
+}
 
 Instance ReadInstance(StateReader& reader, const TrackerState& state) {
   Instance instance;
@@ -162,7 +41,7 @@ Instance ReadInstance(StateReader& reader, const TrackerState& state) {
     if (observation.mse < 0.0) reader.Fail("a mean squared error of 0 or more");
     observation.verification_score = reader.Real();
     observation.T_world_object = reader.RigidPose();
-    observation.source = reader.Key();
+    observation.source = ReadKey(reader);
     instance.observations.push_back(std::move(observation));
   }
   return instance;
@@ -184,7 +63,7 @@ std::string FormatTrackerState(const TrackerState& state) {
             FormatName(instance.model_id) + "\n";
     for (const Observation& observation : instance.observations) {
       text += Format("observation %d %d ", observation.viewpoint, observation.index) +
-              FormatNumber(observation.mse) + " " + FormatNumber(observation.verification_score) +
+              FormatReal(observation.mse) + " " + FormatReal(observation.verification_score) +
               FormatPose(observation.T_world_object) + " " + FormatKey(observation.source) + "\n";
     }
   }
@@ -207,7 +86,7 @@ Result<TrackerState> ParseTrackerState(const std::string& text) {
   const size_t num_sets = reader.Count();
   for (size_t i = 0; i < num_sets && !reader.failed(); ++i) {
     reader.Keyword("set");
-    state.recent_sets.push_back(reader.Key());
+    state.recent_sets.push_back(ReadKey(reader));
   }
   reader.Keyword("next_id");
   state.next_id = reader.Number<int>(0, INT32_MAX);

@@ -1,0 +1,115 @@
+#include "nodes/fusion_config.h"
+
+#include <vector>
+
+#include "common/format.h"
+#include "nodes/process.h"
+#include "perception/model/object_model.h"
+
+namespace vantage {
+namespace {
+
+constexpr int kMostViews = 10'000;
+
+void ReadFusion(ConfigReader::Table table, FusionConfig* config) {
+  OrientationFilterParameters& orientation = config->tracker.orientation;
+  PositionFilterParameters& position = config->tracker.position;
+  ViewpointParameters& viewpoint = config->tracker.viewpoint;
+  table.Read("k", &config->k, So3Grid::kSmallest, So3Grid::kLargest);
+  const auto read_degrees = [&](const char* key, double* angle, double lowest, double highest) {
+    double degrees = *angle / kDegree;
+    table.Read(key, &degrees, lowest, highest);
+    *angle = degrees * kDegree;
+  };
+  read_degrees("sigma_deg", &orientation.sigma_cw, 0.1, 90.0);
+  double sigma_vw_mm2 = orientation.sigma_vw * 1e6;
+  table.Read("verification_sigma_mm2", &sigma_vw_mm2, 1e-3, 1e6);
+  orientation.sigma_vw = sigma_vw_mm2 * 1e-6;
+  table.Read("w_min", &orientation.peaks.w_min, 0.01, 1.0);
+  table.Read("w_max", &orientation.peaks.w_max, 0.01, 1.0);
+  table.Read("w_mode", &orientation.peaks.w_mode, 0.01, 1.0);
+  read_degrees("converge_deg", &orientation.converge_angle, 1e-3, 180.0);
+  table.Read("converge_views", &orientation.converge_views, 1, kMostViews);
+  table.Read("min_views", &orientation.min_views, 1, kMostViews);
+  table.Read("position_gate_m", &position.gate, 1e-4, 10.0);
+  table.Read("position_huber_m", &position.huber, 1e-5, 10.0);
+  table.Read("gate_m", &config->tracker.gate, 1e-4, 10.0);
+  table.Read("gate_fraction", &config->tracker.gate_fraction, 0.0, 10.0);
+  table.Read("overlap_fraction", &config->tracker.overlap_fraction, 0.0, 1.0);
+  table.Read("confirm_views", &config->tracker.confirm_views, 1, kMostViews);
+  table.Read("lost_views", &config->tracker.lost_views, 1, kMostViews);
+  read_degrees("viewpoint_rotation_deg", &viewpoint.rotation, 0.01, 180.0);
+  table.Read("viewpoint_translation_m", &viewpoint.translation, 1e-4, 10.0);
+  table.Read("frames_per_view", &config->views.frames_per_view, 1, 1000);
+  table.ReadPath("state_file", &config->state_file);
+  config->views.viewpoint = viewpoint;
+  if (Result<void> valid = config->tracker.Validate(); !valid) {
+    table.Fail("w_min", valid.error().message);
+  }
+}
+
+void ReadPlanner(ConfigReader::Table table, FusionConfig* config) {
+  ViewCandidateParameters& candidates = config->views.candidates;
+  std::vector<double> target = {
+      candidates.target.x(), candidates.target.y(), candidates.target.z()};
+  table.ReadNumbers("target_m", 3, -100.0, 100.0, &target);
+  candidates.target = Eigen::Vector3d(target[0], target[1], target[2]);
+  table.Read("radius_m", &candidates.radius, 0.05, 100.0);
+  std::vector<double> elevation = {candidates.lowest_elevation / kDegree,
+                                   candidates.highest_elevation / kDegree};
+  table.ReadNumbers("elevation_deg", 2, -90.0, 90.0, &elevation);
+  candidates.lowest_elevation = elevation[0] * kDegree;
+  candidates.highest_elevation = elevation[1] * kDegree;
+  table.Read("elevations", &candidates.num_elevations, 1, 90);
+  table.Read("azimuths", &candidates.num_azimuths, 1, 360);
+  table.Read("max_views", &config->views.max_views, 1, kMostViews);
+  if (Result<void> valid = config->views.Validate(); !valid) {
+    table.Fail("elevation_deg", valid.error().message);
+  }
+}
+
+struct ModelNames {
+  std::filesystem::path folder;
+  std::vector<std::string> names;
+};
+
+ModelNames ReadModels(ConfigReader::Table table) {
+  ModelNames models;
+  table.Require("folder");
+  table.Require("use");
+  table.ReadPath("folder", &models.folder);
+  table.Read("use", &models.names);
+  if (models.names.empty() && table.Has("use")) table.Fail("use", "expected at least one model");
+  return models;
+}
+
+}  // namespace
+
+Result<FusionConfig> ReadFusionConfig(ConfigReader& config) {
+  FusionConfig result;
+  ReadFusion(config.Root().Sub("fusion"), &result);
+  ReadPlanner(config.Root().Sub("planner"), &result);
+  const ModelNames models = ReadModels(config.Root().Sub("models"));
+  IgnoreTablesOfOthers(config);
+  if (Result<void> read = config.Finish(); !read) return read.error();
+  for (const std::string& name : models.names) {
+    const Result<ObjectModel> model = LoadObjectModel(models.folder / name);
+    if (!model) return model.error();
+    result.models[name] = TrackedModel{model->center, model->diameter};
+    result.setup +=
+        Format("%s %llx, ", name.c_str(), static_cast<unsigned long long>(model->mesh_hash));
+  }
+  const ViewCandidateParameters& candidates = result.views.candidates;
+  result.setup += Format("views %d x %d from %g to %g degrees at %g m around (%g, %g, %g)",
+                         candidates.num_elevations,
+                         candidates.num_azimuths,
+                         candidates.lowest_elevation / kDegree,
+                         candidates.highest_elevation / kDegree,
+                         candidates.radius,
+                         candidates.target.x(),
+                         candidates.target.y(),
+                         candidates.target.z());
+  return result;
+}
+
+}  // namespace vantage

@@ -1,0 +1,219 @@
+#include "nodes/fusion_node.h"
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bus/conversions.h"
+#include "common/format.h"
+#include "nodes/fusion_messages.h"
+#include "nodes/fusion_state_file.h"
+#include "vantage/arm_status_t.hpp"
+#include "vantage/detections_t.hpp"
+#include "vantage/rigid_transform_t.hpp"
+
+namespace vantage {
+namespace {
+
+constexpr int64_t kRepeatInterval = 1'000'000;  // us
+
+class FusionNode : public Node {
+ public:
+  FusionNode(Bus& bus, const FusionConfig& config)
+      : bus_(bus),
+        config_(config),
+        grid_(config.k),
+        tracker_(grid_, config.tracker, config.models),
+        views_(config.views, FarthestView()) {}
+
+  Result<void> Start(bool fresh) {
+    if (Result<void> loaded = LoadState(fresh); !loaded) return loaded;
+    if (Result<void> subscribed = Subscribe("DETECTIONS_.*", &FusionNode::OnDetections);
+        !subscribed) {
+      return subscribed;
+    }
+    if (Result<void> subscribed = Subscribe("ARM_STATUS", &FusionNode::OnArmStatus); !subscribed) {
+      return subscribed;
+    }
+    return Subscribe("CAMERA_.*_TO_WORLD", &FusionNode::OnCameraPose);
+  }
+
+ private:
+  template <class Message>
+  Result<void> Subscribe(const std::string& channel,
+                         void (FusionNode::*handler)(const std::string&, const Message&)) {
+    return bus_.Subscribe<Message>(
+        channel, {}, [this, handler](const Envelope& envelope, const Message& message) {
+          (this->*handler)(envelope.channel, message);
+        });
+  }
+
+  void OnDetections(const std::string& channel, const detections_t& message) {
+    const Result<DetectionSet> set = DetectionsFromMessage(message, channel);
+    if (!set) return ReportBad(set.error().message);
+    const auto start = std::chrono::steady_clock::now();
+    const ObjectTracker::Update update = tracker_.Add(*set);
+    if (update.num_invalid > 0) {
+      ReportBad(Format("%d of %zu detections of %s are of models not in use or explain nothing",
+                       update.num_invalid,
+                       set->detections.size(),
+                       channel.c_str()));
+    }
+    if (!update.used) return RepeatWhenDue(set->utime);
+    utime_ = set->utime;
+    const std::vector<ObjectEstimate> objects = tracker_.Estimates();
+    bus_.RecordStage(
+        "fuse", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+
+    const bool decided =
+        views_.OnSet(set->utime, update.viewpoint, tracker_.state().viewpoints, objects);
+    // Saved before it is told: what others have heard is never forgotten.
+    if (update.changed || decided) SaveState();
+    PublishObjects(objects);
+    if (decided) {
+      PublishNextView(set->utime);
+    } else {
+      RepeatWhenDue(set->utime);
+    }
+  }
+
+  void OnArmStatus(const std::string& /*channel*/, const arm_status_t& message) {
+    if (message.state == arm_status_t::RESTING) {
+      views_.OnArrived(message.view_seq, message.utime);
+    } else if (message.state == arm_status_t::REFUSED) {
+      const std::vector<ObjectEstimate> objects = tracker_.Estimates();
+      if (views_.OnRefused(
+              message.view_seq, message.reason, tracker_.state().viewpoints, objects)) {
+        SaveState();
+        if (views_.finished()) PublishObjects(objects);
+        PublishNextView(message.utime);
+      }
+    }
+    RepeatWhenDue(message.utime);
+  }
+
+  void OnCameraPose(const std::string& /*channel*/, const rigid_transform_t& message) {
+    RepeatWhenDue(message.utime);
+  }
+
+  // Tells the last decision again, a second after it was told last, or when the clock was set back.
+  void RepeatWhenDue(int64_t utime) {
+    if (restored_) {
+      restored_ = false;
+      PublishObjects(tracker_.Estimates());
+      PublishNextView(utime);
+    } else if (views_.decision() >= 0 && (utime - last_told_utime_ >= kRepeatInterval ||
+                                          last_told_utime_ - utime >= kRepeatInterval)) {
+      PublishNextView(utime);
+    }
+  }
+
+  void PublishObjects(const std::vector<ObjectEstimate>& objects) {
+    restored_ = false;
+    object_estimates_t message = ObjectsToMessage(objects);
+    message.utime = utime_;
+    message.seq = objects_seq_++;
+    message.num_viewpoints = static_cast<int32_t>(tracker_.state().viewpoints.size());
+    message.finished = views_.finished() ? 1 : 0;
+    Check(bus_.Publish("OBJECTS", message));
+    for (const ObjectEstimate& object : objects) {
+      orientation_histogram_t histogram = HistogramToMessage(object);
+      histogram.utime = utime_;
+      histogram.seq = histogram_seq_++;
+      Check(bus_.Publish("ORIENTATION_HISTOGRAM", histogram));
+    }
+  }
+
+  void PublishNextView(int64_t now_utime) {
+    if (views_.decision() < 0) return;
+    last_told_utime_ = now_utime;
+    next_view_t message = NextViewToMessage(views_.next_view());
+    message.utime = utime_;
+    message.seq = views_.decision();
+    Check(bus_.Publish("NEXT_VIEW", message));
+  }
+
+  Result<void> LoadState(bool fresh) {
+    if (config_.state_file.empty()) return {};
+    std::error_code error;
+    if (fresh) std::filesystem::remove(config_.state_file, error);
+    if (config_.state_file.has_parent_path()) {
+      std::filesystem::create_directories(config_.state_file.parent_path(), error);
+    }
+    Result<std::optional<FusionState>> state = LoadFusionState(config_.state_file, config_.setup);
+    if (state.ok() && !state->has_value()) return {};
+    Result<void> restored = state.ok() ? Restore(**state) : Result<void>(state.error());
+    if (restored) return {};
+    std::fprintf(stderr,
+                 "%s; it was moved to %s.bad and the run starts anew\n",
+                 restored.error().message.c_str(),
+                 config_.state_file.c_str());
+    return MoveAside(config_.state_file);
+  }
+
+  Result<void> Restore(const FusionState& state) {
+    ObjectTracker tracker(grid_, config_.tracker, config_.models);
+    if (Result<void> restored = tracker.Restore(state.tracker); !restored) return restored;
+    ViewSequence views(config_.views, FarthestView());
+    if (Result<void> restored =
+            views.Restore(state.views, tracker.state().viewpoints, tracker.Estimates());
+        !restored) {
+      return restored;
+    }
+    tracker_ = std::move(tracker);
+    views_ = std::move(views);
+    utime_ = state.utime;
+    restored_ = true;
+    return {};
+  }
+
+  void SaveState() {
+    if (config_.state_file.empty()) return;
+    Check(SaveFusionState({config_.setup, utime_, views_.state(), tracker_.state()},
+                          config_.state_file));
+  }
+
+  void ReportBad(const std::string& what) {
+    ++num_bad_;
+    bus_.SetState(Format(
+        "%s (%lld times something was dropped)", what.c_str(), static_cast<long long>(num_bad_)));
+  }
+
+  void Check(const Result<void>& done) {
+    if (!done) bus_.SetState(done.error().message);
+  }
+
+  Bus& bus_;
+  const FusionConfig config_;
+  const So3Grid grid_;
+  ObjectTracker tracker_;
+  ViewSequence views_;
+  int64_t utime_ = 0;            // us, of the last image used
+  int64_t last_told_utime_ = 0;  // us, message time at which NEXT_VIEW was sent last
+  bool restored_ = false;        // What was restored has not been told yet.
+  int64_t objects_seq_ = 0;
+  int64_t histogram_seq_ = 0;
+  int64_t num_bad_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Node>> MakeFusionNode(Bus& bus,
+                                             ConfigReader& config,
+                                             const ProcessOptions& options) {
+  Result<FusionConfig> fusion = ReadFusionConfig(config);
+  if (!fusion) return fusion.error();
+  return MakeFusionNode(bus, *fusion, options.fresh);
+}
+
+Result<std::unique_ptr<Node>> MakeFusionNode(Bus& bus, const FusionConfig& config, bool fresh) {
+  if (Result<void> valid = config.tracker.Validate(); !valid) return valid.error();
+  if (Result<void> valid = config.views.Validate(); !valid) return valid.error();
+  auto node = std::make_unique<FusionNode>(bus, config);
+  if (Result<void> started = node->Start(fresh); !started) return started.error();
+  return std::unique_ptr<Node>(std::move(node));
+}
+
+}  // namespace vantage

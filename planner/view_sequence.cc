@@ -1,0 +1,184 @@
+#include "planner/view_sequence.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/format.h"
+#include "fusion/state_text.h"
+
+namespace vantage {
+namespace {
+
+// Why the sequence is done; empty when it is not, as far as objects and viewpoints tell.
+std::string FinishReason(const std::vector<Viewpoint>& viewpoints,
+                         std::span<const ObjectEstimate> objects,
+                         int max_views) {
+  int num_confirmed = 0;
+  bool all_converged = true;
+  for (const ObjectEstimate& object : objects) {
+    if (object.state != ObjectEstimate::State::kConfirmed) continue;
+    ++num_confirmed;
+    all_converged = all_converged && object.converged;
+  }
+  if (num_confirmed > 0 && all_converged) {
+    return Format(
+        "all %d confirmed objects converged after %zu views", num_confirmed, viewpoints.size());
+  }
+  if (static_cast<int>(viewpoints.size()) >= max_views) {
+    return Format("%zu views were taken, which is max_views", viewpoints.size());
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> ViewSequenceParameters::Validate() const {
+  if (frames_per_view < 1 || max_views < 1) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("frames_per_view = %d and max_views = %d, expected 1 or more",
+                        frames_per_view,
+                        max_views)};
+  }
+  if (Result<void> valid = viewpoint.Validate(); !valid) return valid;
+  return candidates.Validate();
+}
+
+ViewSequence::ViewSequence(const ViewSequenceParameters& parameters, ViewCriterion criterion)
+    : parameters_(parameters),
+      criterion_(std::move(criterion)),
+      candidates_(MakeViewCandidates(parameters.candidates)) {
+  state_.status.resize(candidates_.size());
+}
+
+bool ViewSequence::OnSet(int64_t utime,
+                         int viewpoint,
+                         const std::vector<Viewpoint>& viewpoints,
+                         std::span<const ObjectEstimate> objects) {
+  const Viewpoint& current = viewpoints[static_cast<size_t>(viewpoint)];
+  bool is_due = current.num_sets == parameters_.frames_per_view;
+  // A robot that is not exact may end where it was before: that view is done then, too.
+  if (arrival_utime_ >= 0 && utime >= arrival_utime_) {
+    ++num_sets_since_arrival_;
+    is_due = is_due || (num_sets_since_arrival_ >= parameters_.frames_per_view &&
+                        current.num_sets >= parameters_.frames_per_view);
+  }
+  if (!is_due || state_.finished) return false;
+  state_.T_world_camera = current.T_world_camera;
+  if (arrival_utime_ >= 0 && state_.selected >= 0) {
+    state_.status[static_cast<size_t>(state_.selected)].visited = true;
+  }
+  Decide(viewpoints, objects);
+  return true;
+}
+
+bool ViewSequence::OnRefused(int64_t decision,
+                             const std::string& reason,
+                             const std::vector<Viewpoint>& viewpoints,
+                             std::span<const ObjectEstimate> objects) {
+  if (decision != this->decision() || state_.selected < 0) return false;
+  state_.status[static_cast<size_t>(state_.selected)].refusal =
+      reason.empty() ? "refused by the robot" : reason;
+  Decide(viewpoints, objects);
+  return true;
+}
+
+void ViewSequence::OnArrived(int64_t decision, int64_t utime) {
+  if (decision != this->decision() || state_.selected < 0 || arrival_utime_ >= 0) return;
+  arrival_utime_ = utime;
+  num_sets_since_arrival_ = 0;
+}
+
+// The candidate nearest to each viewpoint, and all that would be the same viewpoint.
+void ViewSequence::MarkVisited(const std::vector<Viewpoint>& viewpoints) {
+  for (const Viewpoint& viewpoint : viewpoints) {
+    const int nearest =
+        NearestCandidate(candidates_, viewpoint.T_world_camera, parameters_.candidates.target);
+    if (nearest >= 0) state_.status[static_cast<size_t>(nearest)].visited = true;
+  }
+  for (size_t i = 0; i < candidates_.size(); ++i) {
+    if (FindViewpoint(viewpoints, candidates_[i], parameters_.viewpoint) >= 0) {
+      state_.status[i].visited = true;
+    }
+  }
+}
+
+NextView ViewSequence::Select(const std::vector<Viewpoint>& viewpoints,
+                              std::span<const ObjectEstimate> objects) const {
+  std::vector<Pose> visited;
+  for (const Viewpoint& viewpoint : viewpoints) visited.push_back(viewpoint.T_world_camera);
+  return SelectNextView({candidates_, visited, objects, parameters_.candidates.target},
+                        criterion_,
+                        state_.status,
+                        state_.T_world_camera);
+}
+
+void ViewSequence::Decide(const std::vector<Viewpoint>& viewpoints,
+                          std::span<const ObjectEstimate> objects) {
+  MarkVisited(viewpoints);
+  next_view_ = Select(viewpoints, objects);
+  if (next_view_.selected < 0) state_.finished = true;
+  const std::string done = FinishReason(viewpoints, objects, parameters_.max_views);
+  if (!done.empty()) {
+    state_.finished = true;
+    next_view_.selected = -1;
+    next_view_.reason = done;
+  }
+  ++state_.num_decisions;
+  state_.selected = next_view_.selected;
+  state_.reason = next_view_.reason;
+  arrival_utime_ = -1;
+}
+
+Result<void> ViewSequence::Restore(const ViewSequenceState& state,
+                                   const std::vector<Viewpoint>& viewpoints,
+                                   std::span<const ObjectEstimate> objects) {
+  if (state.status.size() != candidates_.size()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("the saved state has %zu view candidates, expected %zu",
+                        state.status.size(),
+                        candidates_.size())};
+  }
+  state_ = state;
+  arrival_utime_ = -1;
+  if (state_.num_decisions == 0) return {};
+  next_view_ = Select(viewpoints, objects);
+  next_view_.selected = state_.selected;
+  next_view_.reason = state_.reason;
+  return {};
+}
+
+std::string FormatViewSequenceState(const ViewSequenceState& state) {
+  std::string text = Format("decisions %lld %d %d ",
+                            static_cast<long long>(state.num_decisions),
+                            state.finished ? 1 : 0,
+                            state.selected);
+  text += FormatName(state.reason) + FormatPose(state.T_world_camera) + "\n";
+  text += Format("candidates %zu\n", state.status.size());
+  for (const CandidateStatus& status : state.status) {
+    text += Format("candidate %d ", status.visited ? 1 : 0) + FormatName(status.refusal) + "\n";
+  }
+  return text;
+}
+
+ViewSequenceState ReadViewSequenceState(StateReader& reader) {
+  ViewSequenceState state;
+  reader.Keyword("decisions");
+  state.num_decisions = reader.Number<int64_t>(0, INT64_MAX - 1);
+  state.finished = reader.Number<int>(0, 1) == 1;
+  state.selected = reader.Number<int>(-1, INT32_MAX);
+  state.reason = reader.Name();
+  state.T_world_camera = reader.RigidPose();
+  reader.Keyword("candidates");
+  const size_t num_candidates = reader.Count();
+  if (state.selected >= static_cast<int>(num_candidates)) reader.Fail("the selected candidate");
+  for (size_t i = 0; i < num_candidates && !reader.failed(); ++i) {
+    reader.Keyword("candidate");
+    CandidateStatus status;
+    status.visited = reader.Number<int>(0, 1) == 1;
+    status.refusal = reader.Name();
+    state.status.push_back(std::move(status));
+  }
+  return state;
+}
+
+}  // namespace vantage
