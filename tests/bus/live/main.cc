@@ -77,6 +77,11 @@ bool HasPrivateNetwork() { return g_has_private_network; }
 
 }  // namespace vantage
 
+#ifdef __SANITIZE_THREAD__
+// GLib, inside LCM, makes its locks with atomics that the sanitizer does not see.
+extern "C" const char* __tsan_default_suppressions() { return "race:g_static_rec_mutex_lock\n"; }
+#endif
+
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   vantage::g_has_private_network = vantage::EnterPrivateNetwork(true);
