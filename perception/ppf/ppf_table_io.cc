@@ -29,7 +29,7 @@ struct Header {
   uint32_t num_points;
   uint32_t num_starts;
   uint32_t num_entries;
-  uint64_t checksum;  // Of the rest of the file.
+  uint64_t checksum;  // Of the whole file, but for this.
 };
 
 template <class T>
@@ -53,6 +53,18 @@ uint64_t Checksum(uint64_t hash, std::span<const char> bytes) {
   return hash;
 }
 
+uint64_t FileChecksum(Header header,
+                      std::span<const char> points,
+                      std::span<const char> starts,
+                      std::span<const char> entries) {
+  header.checksum = 0;
+  uint64_t hash = 0xcbf29ce484222325ULL;
+  hash = Checksum(hash, {reinterpret_cast<const char*>(&header), sizeof(header)});
+  hash = Checksum(hash, points);
+  hash = Checksum(hash, starts);
+  return Checksum(hash, entries);
+}
+
 Error Corrupt(const std::filesystem::path& file, const std::string& why) {
   return Error{ErrorCode::kCorrupt,
                file.string() + ": " + why +
@@ -62,20 +74,18 @@ Error Corrupt(const std::filesystem::path& file, const std::string& why) {
 }  // namespace
 
 Result<void> PpfTable::Save(const std::filesystem::path& file, uint64_t mesh_hash) const {
-  uint64_t checksum = Checksum(0xcbf29ce484222325ULL, Bytes(points_));
-  checksum = Checksum(checksum, Bytes(starts_));
-  checksum = Checksum(checksum, Bytes(entries_));
-  const Header header{kMagic,
-                      mesh_hash,
-                      diameter_,
-                      parameters_.sample_distance,
-                      parameters_.distance_step,
-                      parameters_.angle_step_deg,
-                      static_cast<uint32_t>(parameters_.max_points),
-                      static_cast<uint32_t>(points_.size()),
-                      static_cast<uint32_t>(starts_.size()),
-                      static_cast<uint32_t>(entries_.size()),
-                      checksum};
+  Header header{kMagic,
+                mesh_hash,
+                diameter_,
+                parameters_.sample_distance,
+                parameters_.distance_step,
+                parameters_.angle_step_deg,
+                static_cast<uint32_t>(parameters_.max_points),
+                static_cast<uint32_t>(points_.size()),
+                static_cast<uint32_t>(starts_.size()),
+                static_cast<uint32_t>(entries_.size()),
+                0};
+  header.checksum = FileChecksum(header, Bytes(points_), Bytes(starts_), Bytes(entries_));
   std::filesystem::path part = file;
   part += ".part";
   {
@@ -139,9 +149,8 @@ Result<PpfTable> PpfTable::Load(const std::filesystem::path& file, uint64_t mesh
     stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   }
   if (!stream) return Error{ErrorCode::kIo, file.string() + " can't be read"};
-  uint64_t checksum = Checksum(0xcbf29ce484222325ULL, Bytes(table.points_));
-  checksum = Checksum(checksum, Bytes(table.starts_));
-  checksum = Checksum(checksum, Bytes(table.entries_));
+  const uint64_t checksum =
+      FileChecksum(header, Bytes(table.points_), Bytes(table.starts_), Bytes(table.entries_));
   if (checksum != header.checksum) return Corrupt(file, "its checksum differs");
   if (Result<void> sound = table.CheckConsistent(); !sound) {
     return Corrupt(file, sound.error().message);
