@@ -29,6 +29,7 @@ using std::chrono::steady_clock;
 
 constexpr milliseconds kGrabTimeout{100};
 constexpr std::chrono::seconds kRepeatInterval{1};  // of _INFO and _STATUS
+constexpr std::chrono::seconds kNoteDuration{10};   // for which _STATUS says what went wrong
 constexpr double kHighestRate = 1000.0;             // Hz
 
 double SecondsSince(steady_clock::time_point start) {
@@ -66,6 +67,7 @@ class Openni2Node : public Node {
 
  private:
   void HandleCommand(const camera_command_t& command);
+  void Note(const std::string& note);
 
   // The capture thread.
   void Capture(const std::stop_token& stop);
@@ -107,7 +109,8 @@ class Openni2Node : public Node {
   std::vector<CameraStatus> changes_;  // Of state, yet to be published.
   std::optional<InfoContent> info_;
   Commands commands_;
-  std::string command_note_;  // What the last command could not do.
+  std::string note_;  // What a command asked for in vain, or why an image was not sent.
+  steady_clock::time_point note_until_;
   int64_t num_published_ = 0;
   int64_t num_left_out_ = 0;  // Good frames that the rate limit or a newer one displaced.
   double latency_s_ = 0.0;
@@ -145,19 +148,24 @@ Result<void> Openni2Node::Start(std::unique_ptr<DepthDeviceApi> api) {
 
 void Openni2Node::HandleCommand(const camera_command_t& command) {
   const std::lock_guard lock(mutex_);
-  command_note_.clear();
   if (command.exposure_us >= 0) commands_.exposure_us = command.exposure_us;
   if (command.gain >= 0) commands_.gain = command.gain;
   if (!std::isfinite(command.rate) || command.rate > kHighestRate) {
-    command_note_ = Format(
-        "command ignored: rate = %g Hz, expected at most %g, 0 to leave it or a "
-        "negative number for every frame",
-        command.rate,
-        kHighestRate);
+    Note(
+        Format("command ignored: rate = %g Hz, expected at most %g, 0 to leave it or a "
+               "negative number for every frame",
+               command.rate,
+               kHighestRate));
   } else if (command.rate != 0.0) {
     commands_.rate_hz = command.rate;
   }
   commands_.restart = commands_.restart || command.restart;
+}
+
+// With mutex_ locked.
+void Openni2Node::Note(const std::string& note) {
+  note_ = note;
+  note_until_ = steady_clock::now() + kNoteDuration;
 }
 
 void Openni2Node::Capture(const std::stop_token& stop) {
@@ -198,7 +206,7 @@ void Openni2Node::Obey() {
   apply(&settings_.gain, commands.gain, &Openni2Camera::SetGain);
   if (note.empty()) return;
   const std::lock_guard lock(mutex_);
-  command_note_ = note;
+  Note(note);
 }
 
 // On the console, for who starts it by hand: what is missing once, then that it came.
@@ -275,7 +283,7 @@ void Openni2Node::PublishFrame(const CameraFrame& frame) {
   bus_.RecordStage("capture_to_publish", latency_s);
   const std::lock_guard lock(mutex_);
   if (!published) {
-    command_note_ = published.error().message;
+    Note(published.error().message);
     ++num_left_out_;
     return;
   }
@@ -324,14 +332,14 @@ void Openni2Node::PublishStatus(const CameraStatus& status) {
   message.clock_skew = status.clock_skew_ppm;
   {
     const std::lock_guard lock(mutex_);
-    if (!command_note_.empty()) {
-      message.message += (message.message.empty() ? "" : "; ") + command_note_;
+    if (steady_clock::now() < note_until_) {
+      message.message += (message.message.empty() ? "" : "; ") + note_;
     }
     message.num_published = num_published_;
     message.num_dropped = num_left_out_ + status.num_bad;
     message.latency = latency_s_;
   }
-  bus_.SetState(message.message.empty() ? "ok" : message.message);
+  bus_.SetState(status.message.empty() ? "ok" : status.message);
   // What can't be sent now is sent again in a second.
   (void)bus_.Publish(channel_ + "_STATUS", message);
 }
