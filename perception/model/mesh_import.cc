@@ -4,15 +4,19 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <charconv>
+#include <cstring>
 #include <exception>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/format.h"
 #include "perception/model/file_bytes.h"
+#include "perception/model/isolated_work.h"
 
 namespace vantage {
 namespace {
@@ -62,24 +66,86 @@ Result<void> CheckPlyCounts(const std::filesystem::path& file, std::string_view 
   return {};
 }
 
-TriangleMesh JoinParts(const aiScene& scene, double scale) {
-  TriangleMesh mesh;
+// What the child process hands over: a mesh as counts, vertices and triangles, or a sentence.
+constexpr char kMeshFollows = 'm';
+constexpr char kErrorFollows = 'e';
+
+template <class T>
+void Put(const T* values, size_t count, std::string* bytes) {
+  const size_t size = count * sizeof(T);
+  const size_t at = bytes->size();
+  bytes->resize(at + size);
+  if (size > 0) std::memcpy(bytes->data() + at, values, size);
+}
+
+std::string JoinParts(const aiScene& scene) {
+  std::vector<std::array<float, 3>> vertices;
+  std::vector<std::array<uint32_t, 3>> triangles;
   for (unsigned int part = 0; part < scene.mNumMeshes; ++part) {
     const aiMesh& from = *scene.mMeshes[part];
-    const auto offset = static_cast<uint32_t>(mesh.vertices.size());
+    const auto offset = static_cast<uint32_t>(vertices.size());
     for (unsigned int i = 0; i < from.mNumVertices; ++i) {
       const aiVector3D& vertex = from.mVertices[i];
-      mesh.vertices.emplace_back(static_cast<float>(scale * static_cast<double>(vertex.x)),
-                                 static_cast<float>(scale * static_cast<double>(vertex.y)),
-                                 static_cast<float>(scale * static_cast<double>(vertex.z)));
+      vertices.push_back({vertex.x, vertex.y, vertex.z});
     }
     for (unsigned int i = 0; i < from.mNumFaces; ++i) {
       const aiFace& face = from.mFaces[i];
       if (face.mNumIndices != 3) continue;
-      mesh.triangles.push_back(
+      triangles.push_back(
           {face.mIndices[0] + offset, face.mIndices[1] + offset, face.mIndices[2] + offset});
     }
   }
+  std::string bytes(1, kMeshFollows);
+  const std::array<size_t, 2> counts = {vertices.size(), triangles.size()};
+  Put(counts.data(), counts.size(), &bytes);
+  Put(vertices.data(), vertices.size(), &bytes);
+  Put(triangles.data(), triangles.size(), &bytes);
+  return bytes;
+}
+
+// Runs in the child process. Debian's assimp stops the program where its assertions fail, which
+// files from outside can bring about.
+std::string ImportWithAssimp(const std::string& bytes, const std::string& suffix) {
+  try {
+    Assimp::Importer importer;
+    // Only geometry is wanted; materials would make it open other files.
+    const aiScene* scene = importer.ReadFileFromMemory(
+        bytes.data(),
+        bytes.size(),
+        aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices,
+        suffix.c_str());
+    if (scene == nullptr) return kErrorFollows + std::string(importer.GetErrorString());
+    return JoinParts(*scene);
+  } catch (const std::exception& exception) {
+    return kErrorFollows + std::string(exception.what());
+  }
+}
+
+Result<TriangleMesh> TakeMesh(const std::filesystem::path& file,
+                              std::string_view bytes,
+                              double scale) {
+  if (bytes.starts_with(kErrorFollows)) return NoMesh(file, std::string(bytes.substr(1)));
+  std::array<size_t, 2> counts{};
+  constexpr size_t kRow = 12;  // bytes of a vertex or triangle
+  if (!bytes.starts_with(kMeshFollows) || bytes.size() < 1 + sizeof(counts)) {
+    return NoMesh(file, "the importer left no result");
+  }
+  std::memcpy(counts.data(), bytes.data() + 1, sizeof(counts));
+  bytes.remove_prefix(1 + sizeof(counts));
+  const auto [vertices, triangles] = counts;
+  if (vertices > bytes.size() || triangles > bytes.size() ||
+      (vertices + triangles) * kRow != bytes.size()) {
+    return NoMesh(file, "the importer left a result that is not whole");
+  }
+  if (triangles == 0) return NoMesh(file, "it has no triangles");
+  TriangleMesh mesh;
+  for (size_t i = 0; i < vertices; ++i) {
+    Eigen::Vector3f vertex;
+    std::memcpy(vertex.data(), bytes.data() + i * kRow, kRow);
+    mesh.vertices.emplace_back((scale * vertex.cast<double>()).cast<float>());
+  }
+  mesh.triangles.resize(triangles);
+  std::memcpy(mesh.triangles.data(), bytes.data() + vertices * kRow, triangles * kRow);
   return mesh;
 }
 
@@ -102,21 +168,11 @@ Result<TriangleMesh> ImportMesh(const std::filesystem::path& file, double scale)
   if (suffix == ".ply") {
     if (Result<void> counts = CheckPlyCounts(file, *bytes); !counts) return counts.error();
   }
-  try {
-    Assimp::Importer importer;
-    // Only geometry is wanted; materials would make it open other files.
-    const aiScene* scene = importer.ReadFileFromMemory(
-        bytes->data(),
-        bytes->size(),
-        aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices,
-        suffix.c_str() + 1);
-    if (scene == nullptr) return NoMesh(file, importer.GetErrorString());
-    TriangleMesh mesh = JoinParts(*scene, scale);
-    if (mesh.triangles.empty()) return NoMesh(file, "it has no triangles");
-    return mesh;
-  } catch (const std::exception& exception) {
-    return NoMesh(file, exception.what());
-  }
+  constexpr unsigned int kPatience = 300;  // s
+  const Result<std::string> imported = RunIsolated(
+      [&bytes, &suffix] { return ImportWithAssimp(*bytes, suffix.substr(1)); }, kPatience);
+  if (!imported) return NoMesh(file, "the importer " + imported.error().message);
+  return TakeMesh(file, *imported, scale);
 }
 
 }  // namespace vantage
