@@ -1,8 +1,8 @@
-#include "drivers/sim/fault_state.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "drivers/sim/fault_state.h"
 
 namespace vantage {
 namespace {
