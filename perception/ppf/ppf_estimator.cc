@@ -65,6 +65,11 @@ void Truncate(int size, std::vector<T>* values) {
   if (values->size() > static_cast<size_t>(size)) values->resize(static_cast<size_t>(size));
 }
 
+template <class Hypothesis>
+bool ByCost(const Hypothesis& a, const Hypothesis& b) {
+  return a.verification.cost < b.verification.cost;
+}
+
 // Of sorted hypotheses of one model the first `count` that differ.
 template <class Hypothesis>
 void KeepDistinct(const ObjectModel& model, int count, std::vector<Hypothesis>* hypotheses) {
@@ -174,9 +179,7 @@ void PpfEstimator::VerifyAndSort(const SegmentedImage& image,
                                      parameters_.verification,
                                      &view_);
   }
-  std::stable_sort(hypotheses->begin(), hypotheses->end(), [](const auto& a, const auto& b) {
-    return a.verification.cost < b.verification.cost;
-  });
+  std::stable_sort(hypotheses->begin(), hypotheses->end(), ByCost<Hypothesis>);
 }
 
 // The best hypotheses of one model for one cluster, refined on samples.
@@ -218,12 +221,16 @@ std::vector<PpfEstimator::Hypothesis> PpfEstimator::Propose(
   };
   for (Hypothesis& hypothesis : hypotheses) refine(hypothesis);
   VerifyAndSort(image, cluster, parameters_.verification.coarse_step, times, &hypotheses);
-  if (!hypotheses.empty()) {
-    const Pose best = hypotheses.front().T_camera_object;
+  // A pose that explains little has no use for others like it.
+  constexpr double kPromising = 0.3;
+  if (!hypotheses.empty() && hypotheses.front().verification.score() > kPromising) {
+    std::vector<Hypothesis> others;
     for (const Pose& alternative : known.alternatives) {
-      hypotheses.push_back({model, false, best * alternative, {}});
+      others.push_back({model, false, hypotheses.front().T_camera_object * alternative, {}});
     }
-    VerifyAndSort(image, cluster, parameters_.verification.coarse_step, times, &hypotheses);
+    VerifyAndSort(image, cluster, parameters_.verification.coarse_step, times, &others);
+    hypotheses.insert(hypotheses.end(), others.begin(), others.end());
+    std::stable_sort(hypotheses.begin(), hypotheses.end(), ByCost<Hypothesis>);
   }
   KeepDistinct(known.model.object, parameters_.coarse_hypotheses, &hypotheses);
   return hypotheses;
@@ -239,9 +246,7 @@ std::vector<PpfEstimator::Hypothesis> PpfEstimator::Explain(const SegmentedImage
     const std::vector<Hypothesis> proposed = Propose(image, cluster, model, rng, times);
     all.insert(all.end(), proposed.begin(), proposed.end());
   }
-  std::stable_sort(all.begin(), all.end(), [](const Hypothesis& a, const Hypothesis& b) {
-    return a.verification.cost < b.verification.cost;
-  });
+  std::stable_sort(all.begin(), all.end(), ByCost<Hypothesis>);
   Truncate(parameters_.fine_hypotheses, &all);
   const RefinementParameters& refinement = parameters_.refinement;
   constexpr int kFineStep = 2;
