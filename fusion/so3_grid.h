@@ -12,8 +12,8 @@ namespace vantage {
 /// The histogram's cells on SO(3) (paper 4.2). x, y, z in [-1, 1] are divided into 2k parts and w
 /// in [0, 1] into k; the cells that meet the unit sphere are valid: 8480, 68416, 548496 for k = 8,
 /// 16, 32 (Table 1). Holds the distinct sphere patches only (every valid cell is one of them but
-/// for the order and signs of its coordinates), so that memory is N / 190 patches, about 40 bytes
-/// each. Immutable once made.
+/// for the order and signs of its coordinates): 3364 of them at k = 32, 48 bytes each.
+/// Immutable once made.
 class So3Grid {
  public:
   static constexpr int kSmallest = 2;

@@ -1,0 +1,176 @@
+// The histogram filter against a straightforward dense one, which holds every cell of the grid and
+// sweeps over all of them, as the paper's does. k = 32, sigma_cw = 3 degrees.
+#include <benchmark/benchmark.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "common/rng.h"
+#include "common/so3.h"
+#include "fusion/orientation_histogram.h"
+#include "fusion/peaks.h"
+#include "fusion/quaternion_mean.h"
+#include "fusion/so3_grid.h"
+
+namespace vantage {
+namespace {
+
+constexpr double kSigma = 3.0 * kDegree;
+constexpr int kNumUpdates = 30;
+
+const So3Grid& Grid() {
+  static const So3Grid grid(32);
+  return grid;
+}
+
+class DenseHistogram {
+ public:
+  explicit DenseHistogram(const So3Grid& grid) : grid_(grid), cells_(grid.ValidCells()) {
+    const auto count = static_cast<Eigen::Index>(cells_.size());
+    representatives_.resize(4, count);
+    areas_.resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const So3Grid::Cell cell = cells_[static_cast<size_t>(i)];
+      representatives_.col(i) = grid.Representative(cell).coeffs();
+      areas_[i] = grid.Area(cell);
+    }
+    weights_ = Eigen::VectorXd::Zero(count);
+    confidence_.resize(count);
+  }
+
+  void Clear() { weights_.setZero(); }
+
+  void Add(const Eigen::Quaterniond& q, double w_v) {
+    const double cos_cutoff = std::cos(1.5 * kSigma);  // Of half the angle of 3 sigma.
+    confidence_.noalias() = (representatives_.transpose() * q.coeffs()).cwiseAbs();
+    for (double& value : confidence_) {
+      const double angle = 2.0 * std::acos(std::min(1.0, value));
+      value = value < cos_cutoff ? 0.0 : std::exp(-angle * angle / (2.0 * kSigma * kSigma));
+    }
+    weights_ += w_v / confidence_.dot(areas_) * confidence_;
+  }
+
+  [[nodiscard]] Eigen::Quaterniond FinalOrientation() const {
+    const double w_M = weights_.maxCoeff();
+    std::vector<char> taken(cells_.size(), 0);
+    std::vector<So3Grid::Cell> neighbors;
+    double best_mass = -1.0;
+    Eigen::Quaterniond best = Eigen::Quaterniond::Identity();
+    for (size_t seed = 0; seed < cells_.size(); ++seed) {
+      if (taken[seed] != 0 || Weight(seed) < 0.9 * w_M) continue;
+      std::vector<size_t> cluster = {seed};
+      taken[seed] = 1;
+      std::vector<WeightedOrientation> orientations;
+      double mass = 0.0;
+      for (size_t next = 0; next < cluster.size(); ++next) {
+        const size_t i = cluster[next];
+        const double share = Weight(i) * areas_[static_cast<Eigen::Index>(i)];
+        mass += share;
+        orientations.push_back({grid_.Representative(cells_[i]), share});
+        grid_.Neighbors(cells_[i], &neighbors);
+        for (const So3Grid::Cell cell : neighbors) {
+          const auto found = std::lower_bound(cells_.begin(), cells_.end(), cell);
+          const auto place = static_cast<size_t>(found - cells_.begin());
+          if (taken[place] != 0 || Weight(place) < 0.7 * w_M) continue;
+          taken[place] = 1;
+          cluster.push_back(place);
+        }
+      }
+      if (mass <= best_mass) continue;
+      best_mass = mass;
+      best = WeightedMean(orientations);
+    }
+    return best;
+  }
+
+ private:
+  [[nodiscard]] double Weight(size_t i) const { return weights_[static_cast<Eigen::Index>(i)]; }
+
+  const So3Grid& grid_;
+  std::vector<So3Grid::Cell> cells_;
+  Eigen::Matrix<double, 4, Eigen::Dynamic> representatives_;
+  Eigen::VectorXd areas_;
+  Eigen::VectorXd weights_;
+  Eigen::VectorXd confidence_;
+};
+
+// 30 views of one orientation: two thirds near it, the others anywhere.
+std::vector<Eigen::Quaterniond> Detections() {
+  Rng rng(1);
+  const Eigen::Quaterniond truth = rng.Rotation();
+  std::vector<Eigen::Quaterniond> detections;
+  for (int i = 0; i < kNumUpdates; ++i) {
+    const Eigen::Vector3d error(rng.Normal(), rng.Normal(), rng.Normal());
+    detections.push_back(i % 3 == 2 ? rng.Rotation() : truth * ExpSo3(1.0 * kDegree * error));
+  }
+  return detections;
+}
+
+void SparseUpdate(benchmark::State& state) {
+  const std::vector<Eigen::Quaterniond> detections = Detections();
+  OrientationHistogram histogram(Grid());
+  size_t next = 0;
+  for (auto _ : state) {
+    if (next == detections.size()) {
+      state.PauseTiming();
+      histogram = OrientationHistogram(Grid());
+      next = 0;
+      state.ResumeTiming();
+    }
+    histogram.Add(detections[next++], kSigma, 1.0);
+  }
+  state.counters["cells"] = static_cast<double>(histogram.entries().size());
+}
+
+void DenseUpdate(benchmark::State& state) {
+  const std::vector<Eigen::Quaterniond> detections = Detections();
+  DenseHistogram histogram(Grid());
+  size_t next = 0;
+  for (auto _ : state) histogram.Add(detections[next++ % detections.size()], 1.0);
+  state.counters["cells"] = Grid().num_cells();
+}
+
+void SparseFinalOrientation(benchmark::State& state) {
+  OrientationHistogram histogram(Grid());
+  DenseHistogram dense(Grid());
+  for (const Eigen::Quaterniond& q : Detections()) {
+    histogram.Add(q, kSigma, 1.0);
+    dense.Add(q, 1.0);
+  }
+  PeakParameters parameters;
+  parameters.w_mode = parameters.w_max;  // The paper's clusters alone, as in the dense one.
+  Eigen::Quaterniond q_f;
+  for (auto _ : state) benchmark::DoNotOptimize(q_f = FindPeaks(histogram, parameters).front().q);
+  state.counters["deg_from_dense"] = GeodesicAngle(q_f, dense.FinalOrientation()) / kDegree;
+}
+
+void DenseFinalOrientation(benchmark::State& state) {
+  DenseHistogram histogram(Grid());
+  for (const Eigen::Quaterniond& q : Detections()) histogram.Add(q, 1.0);
+  for (auto _ : state) benchmark::DoNotOptimize(histogram.FinalOrientation());
+}
+
+void AllPeaks(benchmark::State& state) {
+  OrientationHistogram histogram(Grid());
+  for (const Eigen::Quaterniond& q : Detections()) histogram.Add(q, kSigma, 1.0);
+  for (auto _ : state) benchmark::DoNotOptimize(FindPeaks(histogram, {}));
+}
+
+void MakeGrid(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(So3Grid(static_cast<int>(state.range(0))));
+}
+
+BENCHMARK(SparseUpdate)->Unit(benchmark::kMicrosecond);
+BENCHMARK(DenseUpdate)->Unit(benchmark::kMicrosecond);
+BENCHMARK(SparseFinalOrientation)->Unit(benchmark::kMicrosecond);
+BENCHMARK(DenseFinalOrientation)->Unit(benchmark::kMicrosecond);
+BENCHMARK(AllPeaks)->Unit(benchmark::kMicrosecond);
+BENCHMARK(MakeGrid)->Arg(32)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace vantage
+
+BENCHMARK_MAIN();

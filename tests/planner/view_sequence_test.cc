@@ -1,0 +1,153 @@
+#include "planner/view_sequence.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "fusion/state_text.h"
+
+namespace vantage {
+namespace {
+
+Pose Candidate(const ViewSequence& sequence, int index) {
+  return sequence.next_view().candidates[static_cast<size_t>(index)].T_world_camera;
+}
+
+// What the tracker would count: sets and viewpoints.
+class Camera {
+ public:
+  explicit Camera(ViewSequence& sequence) : sequence_(sequence) {}
+
+  bool Set(const Pose& T_world_camera) {
+    utime_ += 100'000;
+    int viewpoint = FindViewpoint(viewpoints_, T_world_camera, {});
+    if (viewpoint < 0) {
+      viewpoint = static_cast<int>(viewpoints_.size());
+      viewpoints_.push_back({T_world_camera, 0});
+    }
+    ++viewpoints_[static_cast<size_t>(viewpoint)].num_sets;
+    return sequence_.OnSet(utime_, viewpoint, viewpoints_, objects_);
+  }
+
+  ViewSequence& sequence_;
+  int64_t utime_ = 0;
+  std::vector<Viewpoint> viewpoints_;
+  std::vector<ObjectEstimate> objects_;
+};
+
+const Pose kStart = LookAt(Eigen::Vector3d(0.0, -0.53, 0.53), Eigen::Vector3d::Zero());
+
+TEST(ViewSequence, DecidesOnceEnoughWasSeenFromAView) {
+  ViewSequenceParameters parameters;
+  parameters.frames_per_view = 3;
+  ViewSequence sequence(parameters, FarthestView());
+  Camera camera(sequence);
+  EXPECT_EQ(sequence.decision(), -1);
+  for (int i = 1; i <= 6; ++i) EXPECT_EQ(camera.Set(kStart), i == 3) << i;
+  EXPECT_EQ(sequence.decision(), 0);
+  EXPECT_FALSE(sequence.finished());
+}
+
+TEST(ViewSequence, NoViewIsSelectedTwiceAndItEndsWhenNoneIsLeft) {
+  ViewSequenceParameters parameters;
+  parameters.frames_per_view = 1;
+  parameters.max_views = 1000;
+  ViewSequence sequence(parameters, FarthestView());
+  Camera camera(sequence);
+  camera.Set(kStart);
+  std::set<int> selected;
+  while (!sequence.finished()) {
+    const int index = sequence.next_view().selected;
+    ASSERT_TRUE(selected.insert(index).second);
+    camera.Set(Candidate(sequence, index));
+  }
+  EXPECT_EQ(sequence.next_view().selected, -1);
+  // All but the one that the start stands for.
+  EXPECT_EQ(selected.size() + 1, MakeViewCandidates(parameters.candidates).size());
+}
+
+TEST(ViewSequence, ARobotThatStopsBesideTheViewGetsANewOne) {
+  ViewSequenceParameters parameters;
+  parameters.frames_per_view = 2;
+  ViewSequence sequence(parameters, FarthestView());
+  Camera camera(sequence);
+  camera.Set(kStart);
+  camera.Set(kStart);
+  const int first = sequence.next_view().selected;
+  sequence.OnArrived(sequence.decision() + 1, camera.utime_);  // Of another decision: nothing.
+  EXPECT_FALSE(camera.Set(kStart));
+  // It says that it is there, but never left.
+  sequence.OnArrived(sequence.decision(), camera.utime_ + 50'000);
+  EXPECT_FALSE(camera.Set(kStart));
+  EXPECT_TRUE(camera.Set(kStart));
+  EXPECT_EQ(sequence.decision(), 1);
+  EXPECT_NE(sequence.next_view().selected, first);
+  EXPECT_EQ(sequence.next_view().candidates[static_cast<size_t>(first)].reason, "visited");
+}
+
+TEST(ViewSequence, FinishesWhenAllConfirmedObjectsConverged) {
+  ViewSequence sequence({}, FarthestView());
+  Camera camera(sequence);
+  ObjectEstimate object;
+  object.state = ObjectEstimate::State::kConfirmed;
+  camera.objects_ = {object, object, object};
+  camera.objects_[2].state = ObjectEstimate::State::kTentative;
+  camera.objects_[0].converged = true;
+  camera.Set(kStart);
+  camera.Set(kStart);
+  EXPECT_FALSE(sequence.finished());
+  camera.objects_[1].converged = true;
+  const Pose next = Candidate(sequence, sequence.next_view().selected);
+  camera.Set(next);
+  camera.Set(next);
+  EXPECT_TRUE(sequence.finished());
+  EXPECT_EQ(sequence.next_view().selected, -1);
+  EXPECT_NE(sequence.next_view().reason.find("2 confirmed objects converged"), std::string::npos);
+}
+
+TEST(ViewSequence, GoesOnFromItsState) {
+  ViewSequence sequence({}, FarthestView());
+  Camera camera(sequence);
+  camera.Set(kStart);
+  camera.Set(kStart);
+  sequence.OnRefused(sequence.decision(), "out of reach: 1.2 m", camera.viewpoints_, {});
+  const std::string text = FormatViewSequenceState(sequence.state());
+  StateReader reader(text);
+  const ViewSequenceState state = ReadViewSequenceState(reader);
+  reader.End();
+  ASSERT_FALSE(reader.failed()) << reader.error();
+  EXPECT_EQ(FormatViewSequenceState(state), text);
+
+  ViewSequence restored({}, FarthestView());
+  ASSERT_TRUE(restored.Restore(state, camera.viewpoints_, {}).ok());
+  EXPECT_EQ(restored.decision(), sequence.decision());
+  const NextView& a = restored.next_view();
+  const NextView& b = sequence.next_view();
+  EXPECT_EQ(a.selected, b.selected);
+  EXPECT_EQ(a.reason, b.reason);
+  ASSERT_EQ(a.candidates.size(), b.candidates.size());
+  for (size_t i = 0; i < a.candidates.size(); ++i) {
+    EXPECT_EQ(a.candidates[i].gain, b.candidates[i].gain);
+    EXPECT_EQ(a.candidates[i].cost, b.candidates[i].cost);
+    EXPECT_EQ(a.candidates[i].reason, b.candidates[i].reason);
+  }
+
+  ViewSequenceParameters other;
+  other.candidates.num_azimuths = 7;
+  EXPECT_FALSE(ViewSequence(other, FarthestView()).Restore(state, camera.viewpoints_, {}).ok());
+}
+
+TEST(ViewSequence, ParametersAreChecked) {
+  EXPECT_TRUE(ViewSequenceParameters().Validate().ok());
+  ViewSequenceParameters parameters;
+  parameters.frames_per_view = 0;
+  EXPECT_FALSE(parameters.Validate().ok());
+  parameters = {};
+  parameters.candidates.radius = 0.0;
+  EXPECT_FALSE(parameters.Validate().ok());
+}
+
+}  // namespace
+}  // namespace vantage
