@@ -19,7 +19,7 @@ struct VerificationParameters {
   double model_error = 0.0015;  ///< m, standard deviation of model and slowly varying sensor bias
   int edge_px = 2;              ///< px by which the silhouette may be off, at full resolution
   int coarse_step = 4;          ///< px; every so many are compared to rank hypotheses
-  double min_score = 0.6;       ///< [0, 1]; hypotheses of less are no detection
+  double min_score = 0.8;       ///< [0, 1]; hypotheses of less are no detection
   double outlier_cost = 8.0;    ///< nats, of a pixel that contradicts the hypothesis
   DepthNoise noise;
   Result<void> Validate() const;

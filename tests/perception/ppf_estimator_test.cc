@@ -93,7 +93,7 @@ TEST(PpfEstimator, FindsThreeObjectsOnATable) {
                                           Eigen::Quaterniond(detection.T_camera_object.linear()),
                                           Eigen::Quaterniond(T_camera_object.linear()));
       right[i] += off.norm() < 0.05 * model->diameter && angle < 5.0 * kDegree ? 1 : 0;
-      EXPECT_GE(detection.verification_score, 0.6);
+      EXPECT_GE(detection.verification_score, 0.8);
       EXPECT_LE(detection.verification_score, 1.0);
       EXPECT_GE(detection.inlier_fraction, detection.verification_score);
       EXPECT_LT(detection.mse, 1e-5);
