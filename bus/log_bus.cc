@@ -43,6 +43,11 @@ Result<bool> LogBus::Step() {
   if (suppress_ && suppress_->Matches(event.channel)) {
     ++counters_.num_suppressed;
   } else {
+    if (output_ != nullptr && copy_inputs_ && event.channel != "LOG_HEADER") {
+      if (Result<void> written = output_->Write(event.utime, event.channel, event.data); !written) {
+        return written.error();
+      }
+    }
     Deliver(event.channel, event.data);
     if (Result<void> delivered = DeliverPublished(); !delivered) return delivered.error();
   }

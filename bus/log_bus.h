@@ -26,6 +26,9 @@ class LogBus : public Bus {
     /// Channels whose recorded events are not delivered, because nodes on this bus publish them
     /// anew: a regular expression for the whole name. Empty: none.
     std::string suppress;
+    /// Delivered events go to the output too, each before what is published for it; not the
+    /// input's LOG_HEADER.
+    bool copy_inputs = false;
     /// First event of the output. Its utime and schemas are filled in.
     log_header_t header{};
   };
@@ -84,13 +87,17 @@ class LogBus : public Bus {
   };
 
   LogBus(const Options& options, std::unique_ptr<EventLogReader> input, EventLogWriter* output)
-      : header_(options.header), input_(std::move(input)), output_(output) {}
+      : header_(options.header),
+        copy_inputs_(options.copy_inputs),
+        input_(std::move(input)),
+        output_(output) {}
 
   Result<void> WriteHeader();
   Result<void> DeliverPublished();
   void Deliver(const std::string& channel, std::span<const std::byte> bytes);
 
   log_header_t header_;
+  bool copy_inputs_;
   std::unique_ptr<EventLogReader> input_;
   EventLogWriter* output_;
   std::optional<ChannelPattern> suppress_;

@@ -47,7 +47,7 @@ with_line '^sigma_deg' 'sigma_dge'
 refuses "unknown key" 'fusion.sigma_dge.*unknown key' "$bin/vantage-fusion" --config "$config"
 with_line '^\[fusion\]' '[fussion]'
 refuses "unknown table" 'fussion.*unknown key' "$bin/vantage-ppf" --config "$config"
-with_line '^k = 32' 'k = 1000'
+with_line '^k = 64' 'k = 1000'
 refuses "out of range" 'fusion.k = 1000.*from 2 to 128' "$bin/vantage-fusion" --config "$config"
 with_line '"mug"' '"mugg"'
 refuses "missing model" 'mugg' "$bin/vantage-ppf" --config "$config"

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "vantage/object_estimates_t.hpp"
+
+namespace vantage {
+
+/// Objects as a table for people: model, instance, state, pose (m and degrees about x, y, z of the
+/// rotation vector), views.
+std::string ObjectTable(const object_estimates_t& objects);
+
+}  // namespace vantage

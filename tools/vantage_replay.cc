@@ -1,0 +1,207 @@
+// vantage-replay: reruns the estimator and fusion on a log in one process, without loss and as fast
+// as they compute.
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "bus/event_log.h"
+#include "bus/log_bus.h"
+#include "bus/message_check.h"
+#include "common/format.h"
+#include "nodes/config_reader.h"
+#include "nodes/fusion_node.h"
+#include "nodes/ppf_node.h"
+#include "tools/support/object_table.h"
+#include "vantage/log_header_t.hpp"
+#include "vantage/object_estimates_t.hpp"
+
+namespace vantage {
+namespace {
+
+// What the nodes here publish: recorded events of these channels are not for them.
+constexpr const char* kRecomputed =
+    "DETECTIONS_.*|OBJECTS|ORIENTATION_HISTOGRAM|NEXT_VIEW|ARM_STATUS|PROCESS_STATUS";
+
+struct Arguments {
+  std::string log;
+  std::string config;
+  std::string output;
+  bool with_inputs = false;
+};
+
+/// The text of a configuration and where it came from.
+struct ConfigText {
+  std::string file;  ///< Empty: from the log.
+  std::string text;
+};
+
+Result<ConfigText> ConfigFromHeader(const std::string& log) {
+  Result<std::unique_ptr<EventLogReader>> reader = EventLogReader::Open(log);
+  if (!reader) return reader.error();
+  const std::optional<LogEvent> first = (*reader)->Next();
+  if (first && first->channel == "LOG_HEADER") {
+    const Result<log_header_t> header = DecodeChecked<log_header_t>(first->data);
+    if (header && !header->config_text.empty()) return ConfigText{"", header->config_text};
+  }
+  return Error{
+      ErrorCode::kNotFound,
+      Format("log %s has no LOG_HEADER with a configuration, expected one or --config FILE",
+             log.c_str())};
+}
+
+Result<ConfigReader> OpenConfig(const Arguments& arguments) {
+  if (!arguments.config.empty()) return ConfigReader::Open(arguments.config);
+  const Result<ConfigText> text = ConfigFromHeader(arguments.log);
+  if (!text) return text.error();
+  std::fprintf(stderr, "vantage-replay: configuration from the log's LOG_HEADER\n");
+  return ConfigReader::Parse(text->text, arguments.log + " LOG_HEADER");
+}
+
+/// The nodes of one rerun. They outlive the bus's last step.
+struct Nodes {
+  std::unique_ptr<Node> estimator;
+  std::unique_ptr<Node> fusion;
+};
+
+Result<Nodes> MakeNodes(Bus& bus, const Arguments& arguments) {
+  Nodes nodes;
+  // A reader each: every process takes its own tables from the file.
+  Result<ConfigReader> ppf_config = OpenConfig(arguments);
+  if (!ppf_config) return ppf_config.error();
+  ProcessOptions options;
+  options.name = "ppf";
+  Result<std::unique_ptr<Node>> estimator = MakePpfNode(bus, *ppf_config, options);
+  if (!estimator) return estimator.error();
+  nodes.estimator = std::move(estimator).value();
+
+  Result<ConfigReader> config = OpenConfig(arguments);
+  if (!config) return config.error();
+  Result<FusionConfig> fusion_config = ReadFusionConfig(*config);
+  if (!fusion_config) return fusion_config.error();
+  fusion_config->state_file.clear();  // A rerun starts from nothing and leaves nothing.
+  Result<std::unique_ptr<Node>> fusion = MakeFusionNode(bus, *fusion_config, false);
+  if (!fusion) return fusion.error();
+  nodes.fusion = std::move(fusion).value();
+  return nodes;
+}
+
+class Progress {
+ public:
+  void Show(const LogBus& bus) {
+    if (isatty(STDERR_FILENO) == 0) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(200)) return;
+    last_ = now;
+    std::fprintf(stderr,
+                 "\r%3.0f %%  %jd events",
+                 100.0 * bus.input().progress(),
+                 intmax_t{bus.counters().num_events});
+  }
+  void Clear() {
+    if (isatty(STDERR_FILENO) != 0) std::fprintf(stderr, "\r%40s\r", "");
+  }
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point last_{};
+};
+
+void PrintSummary(const LogBus& bus,
+                  const object_estimates_t& objects,
+                  double seconds,
+                  double span) {
+  std::printf("%s", ObjectTable(objects).c_str());
+  std::printf("%jd events of %.1f s in %.1f s (%.1f times as fast as it was recorded)\n",
+              intmax_t{bus.counters().num_events},
+              span,
+              seconds,
+              seconds > 0.0 ? span / seconds : 0.0);
+  for (const auto& [channel, count] : bus.counters().decode_errors) {
+    std::printf("%s: %jd messages could not be decoded\n", channel.c_str(), intmax_t{count});
+  }
+  if (bus.input().damage().any()) {
+    std::printf("damage: %s\n", bus.input().damage().Describe().c_str());
+  }
+}
+
+Result<void> Replay(const Arguments& arguments) {
+  Result<std::unique_ptr<EventLogReader>> reader = EventLogReader::Open(arguments.log);
+  if (!reader) return reader.error();
+  Result<ConfigReader> config = OpenConfig(arguments);
+  if (!config) return config.error();
+
+  std::unique_ptr<EventLogWriter> writer;
+  if (!arguments.output.empty()) {
+    Result<std::unique_ptr<EventLogWriter>> created = EventLogWriter::Create(arguments.output);
+    if (!created) return created.error();
+    writer = std::move(created).value();
+  }
+  LogBus::Options options;
+  options.suppress = kRecomputed;
+  options.copy_inputs = arguments.with_inputs;
+  options.header.version = VANTAGE_VERSION;
+  options.header.config_text = config->text();
+  Result<std::unique_ptr<LogBus>> bus =
+      LogBus::Create(options, std::move(reader).value(), writer.get());
+  if (!bus) return bus.error();
+  const Result<Nodes> nodes = MakeNodes(**bus, arguments);
+  if (!nodes) return nodes.error();
+  object_estimates_t objects{};
+  if (Result<void> subscribed = (*bus)->Subscribe<object_estimates_t>(
+          "OBJECTS",
+          {},
+          [&objects](const Envelope&, const object_estimates_t& message) { objects = message; });
+      !subscribed) {
+    return subscribed;
+  }
+
+  Progress progress;
+  const int64_t start = (*bus)->NowUtime();
+  while (true) {
+    const Result<bool> more = (*bus)->Step();
+    if (!more) return more.error();
+    if (!*more) break;
+    progress.Show(**bus);
+  }
+  progress.Clear();
+  if (writer) {
+    if (Result<void> closed = writer->Close(); !closed) return closed;
+  }
+  PrintSummary(
+      **bus, objects, progress.seconds(), 1e-6 * static_cast<double>((*bus)->NowUtime() - start));
+  return {};
+}
+
+}  // namespace
+}  // namespace vantage
+
+int main(int argc, char** argv) {
+  vantage::Arguments arguments;
+  CLI::App app("Reruns the estimator and fusion on a log, in one process and without loss",
+               "vantage-replay");
+  app.add_option("log", arguments.log, "LCM event log")->required();
+  app.add_option("--config,-c",
+                 arguments.config,
+                 "TOML file of the set-up; default: the one in the log's LOG_HEADER");
+  app.add_option("--output,-o", arguments.output, "log to write what is recomputed to");
+  app.add_flag("--with-inputs", arguments.with_inputs, "copy what is read into the output too");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : 2;
+  }
+  if (const vantage::Result<void> done = vantage::Replay(arguments); !done) {
+    std::fprintf(stderr, "vantage-replay: %s\n", done.error().message.c_str());
+    return 2;
+  }
+  return 0;
+}
