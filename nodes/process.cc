@@ -21,21 +21,6 @@ int Fail(const std::string& name, const Error& error) {
   return kBadInput;
 }
 
-struct BusSettings {
-  std::string url;
-  int receive_buffer_bytes = 4 << 20;
-  int min_receive_buffer_bytes = 128 << 10;
-};
-
-BusSettings ReadBusSettings(ConfigReader& config) {
-  BusSettings settings;
-  ConfigReader::Table table = config.Root().Sub("bus");
-  table.Read("url", &settings.url);
-  table.Read("receive_buffer_bytes", &settings.receive_buffer_bytes, 4096, 1 << 30);
-  table.Read("min_receive_buffer_bytes", &settings.min_receive_buffer_bytes, 0, 1 << 30);
-  return settings;
-}
-
 // Turns the first SIGINT or SIGTERM into a stop; blocked before any thread starts, so that only
 // this thread ever sees them.
 class SignalStop {
@@ -68,6 +53,17 @@ class SignalStop {
 };
 
 }  // namespace
+
+LiveBus::Options ReadBusOptions(ConfigReader& config) {
+  LiveBus::Options options;
+  ConfigReader::Table table = config.Root().Sub("bus");
+  table.Read("url", &options.url);
+  table.Read("receive_buffer_bytes", &options.receive_buffer_bytes, 4096, 1 << 30);
+  table.Read("min_receive_buffer_bytes", &options.min_receive_buffer_bytes, 0, 1 << 30);
+  options.version = VANTAGE_VERSION;
+  options.config_hash = config.Hash();
+  return options;
+}
 
 void IgnoreTablesOfOthers(ConfigReader& config) {
   ConfigReader::Table root = config.Root();
@@ -110,20 +106,15 @@ int RunProcess(int argc,
 
   Result<ConfigReader> config = ConfigReader::Open(config_file);
   if (!config) return Fail(options.name, config.error());
-  const BusSettings settings = ReadBusSettings(*config);
+  LiveBus::Options bus_options = ReadBusOptions(*config);
+  bus_options.name = options.name;
+  if (!url.empty()) bus_options.url = url;
 
   const Result<std::unique_ptr<ProcessNameLock>> lock =
-      ProcessNameLock::Acquire(options.name, url.empty() ? settings.url : url);
+      ProcessNameLock::Acquire(options.name, bus_options.url);
   if (!lock) return Fail(options.name, lock.error());
 
   const SignalStop stop;
-  LiveBus::Options bus_options;
-  bus_options.url = url.empty() ? settings.url : url;
-  bus_options.name = options.name;
-  bus_options.version = VANTAGE_VERSION;
-  bus_options.config_hash = config->Hash();
-  bus_options.receive_buffer_bytes = settings.receive_buffer_bytes;
-  bus_options.min_receive_buffer_bytes = settings.min_receive_buffer_bytes;
   Result<std::unique_ptr<LiveBus>> bus = LiveBus::Create(bus_options);
   if (!bus) return Fail(options.name, bus.error());
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bus/bus.h"
+#include "bus/live_bus.h"
 #include "common/result.h"
 #include "nodes/config_reader.h"
 #include "nodes/node.h"
@@ -28,6 +29,9 @@ int RunProcess(int argc,
                const std::string& default_name,
                const std::string& description,
                const NodeFactory& make_node);
+
+/// Reads [bus]: URL and receive buffers. The name is the caller's to fill in.
+LiveBus::Options ReadBusOptions(ConfigReader& config);
 
 /// Takes every top-level table that some process reads as known, so that one file serves all of
 /// them and a misspelt table is still an error. A process calls it after it has read its own.
