@@ -63,7 +63,8 @@ Result<void> WriteFiles(const Arguments& arguments,
     return Error{ErrorCode::kIo,
                  Format("folder %s can't be made: %s", folder.c_str(), error.message().c_str())};
   }
-  if (Result<void> written = WritePng(folder / "report_scene.png", ScenePicture(run, setup));
+  if (Result<void> written =
+          WritePng(folder / "report_scene.png", ScenePicture(run, setup, SceneCut::kObjects));
       !written) {
     return written;
   }

@@ -24,9 +24,11 @@ th,td { text-align:right; padding:6px 10px; border-bottom:1px solid var(--line);
 th:first-child,td:first-child { text-align:left; } tr:last-child td { border-bottom:0; }
 th { color:var(--soft); font-weight:600; font-size:.9rem; }
 img { max-width:100%; height:auto; display:block; border-radius:6px; }
-.grid { display:grid; gap:16px; grid-template-columns:repeat(auto-fill,minmax(320px,1fr)); }
+.grid { display:grid; gap:16px; grid-template-columns:repeat(auto-fill,minmax(min(100%,330px),1fr)); }
+.pair { display:grid; gap:16px; grid-template-columns:repeat(auto-fit,minmax(min(100%,450px),1fr)); }
 .dot { display:inline-block; width:.75em; height:.75em; border-radius:50%; margin-right:.5em; }
 .verdict { font-weight:600; } .met { color:var(--good); } .missed { color:var(--bad); }
+figure table { font-size:.85rem; } figure th,figure td { padding:4px 5px; }
 figcaption { color:var(--soft); font-size:.92rem; margin-top:.5em; } figure { margin:0; }
 )";
 
@@ -41,6 +43,16 @@ std::string Dot(const RecordedRun& run, const std::optional<int32_t>& instance) 
   if (!instance) return "";
   return "<span class=\"dot\" style=\"background:" +
          HexColor(ObjectColor(ColorIndex(run, *instance))) + "\"></span>";
+}
+
+// Of metrics.objects; grey where the run has no estimate.
+std::vector<Rgb> ObjectColors(const RecordedRun& run, const RunMetrics& metrics) {
+  std::vector<Rgb> colors;
+  for (const ObjectHistory& object : metrics.objects) {
+    colors.push_back(object.instance ? ObjectColor(ColorIndex(run, *object.instance))
+                                     : Rgb{128, 128, 128});
+  }
+  return colors;
 }
 
 std::string Cell(const std::optional<PoseError>& error, bool angle) {
@@ -92,7 +104,7 @@ Result<std::string> ViewCard(const RecordedRun& run,
   html += Format("<figcaption><b>View %zu.</b> %s</figcaption>",
                  index + 1,
                  view.decision.empty() ? "" : EscapeHtml("Then: " + view.decision + ".").c_str());
-  html += "<table><tr><th></th><th>this view alone</th><th>fused</th><th></th></tr>";
+  html += "<table><tr><th></th><th>alone</th><th>fused</th><th></th></tr>";
   for (const ObjectHistory& object : metrics.objects) {
     if (index >= object.fused.size()) continue;
     html += "<tr><td>" + Dot(run, object.instance) + EscapeHtml(object.model_id) + "</td>" +
@@ -100,6 +112,20 @@ Result<std::string> ViewCard(const RecordedRun& run,
             Cell(object.fused[index], false) + "</tr>";
   }
   return html + "</table></figure>";
+}
+
+Result<std::string> Scene(const RecordedRun& run, const ReportSetup& setup) {
+  const Result<std::string> near =
+      Picture(ScenePicture(run, setup, SceneCut::kObjects), "the objects");
+  if (!near) return near.error();
+  const Result<std::string> wide =
+      Picture(ScenePicture(run, setup, SceneCut::kCameras), "the camera's way round the objects");
+  if (!wide) return wide.error();
+  return "<h2>What was found</h2><div class=\"pair\"><figure class=\"card\">" + *near +
+         "<figcaption>The objects at their estimated poses.</figcaption></figure>"
+         "<figure class=\"card\">" +
+         *wide +
+         "<figcaption>Where the camera looked from, and its way.</figcaption></figure></div>";
 }
 
 // First, middle and last view with a histogram of the object.
@@ -118,7 +144,8 @@ Result<std::string> Histograms(const RecordedRun& run, const RunMetrics& metrics
     if (!object.instance) continue;
     for (const size_t view : HistogramViews(run, *object.instance)) {
       const Result<std::string> picture =
-          Picture(HistogramPicture(run.views[view].histograms.at(*object.instance)),
+          Picture(HistogramPicture(run.views[view].histograms.at(*object.instance),
+                                   HistogramSide(run, *object.instance)),
                   "orientation histogram of " + object.model_id);
       if (!picture) return picture.error();
       html += "<figure class=\"card\">" + *picture + "<figcaption>" + Dot(run, object.instance) +
@@ -150,15 +177,13 @@ Result<std::string> ReportPage(const std::string& title,
   }
   if (!setup.truth.empty()) html += Summary(run, metrics, limits);
 
-  const Result<std::string> scene = Picture(ScenePicture(run, setup), "the scene");
+  const Result<std::string> scene = Scene(run, setup);
   if (!scene) return scene.error();
-  html += "<h2>What was found</h2><figure class=\"card\">" + *scene +
-          "<figcaption>Objects at their estimated poses; where the camera looked from, and its "
-          "way.</figcaption></figure>";
+  html += *scene;
   if (!setup.truth.empty() && !metrics.objects.empty()) {
-    const Result<std::string> figure = ErrorFigure(metrics);
-    if (!figure && figure.error().code != ErrorCode::kNotFound) return figure.error();
-    if (figure) {
+    const Result<std::string> figure = ErrorFigure(metrics, ObjectColors(run, metrics));
+    if (!figure) return figure.error();
+    if (!figure->empty()) {
       html += "<h2>Error by view</h2><figure class=\"card\"><img alt=\"error by view\" src=\"" +
               DataUri("image/svg+xml", *figure) +
               "\"><figcaption>Circles: what a view says by itself. Lines: all views so far, fused."
@@ -175,7 +200,9 @@ Result<std::string> ReportPage(const std::string& title,
       *histograms + "</div>";
   html +=
       "<h2>Views</h2><p class=\"soft\">Depth in false color, near is light; outlines are the "
-      "fused estimates after the view.</p><div class=\"grid\">";
+      "fused estimates after the view. Beside each object the error of this view alone, and that "
+      "of "
+      "all views so far.</p><div class=\"grid\">";
   for (size_t i = 0; i < run.views.size(); ++i) {
     const Result<std::string> card = ViewCard(run, i, setup, metrics);
     if (!card) return card.error();

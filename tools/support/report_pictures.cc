@@ -34,9 +34,9 @@ Pose LookAtAll(const CameraModel& camera, const std::vector<Eigen::Vector3d>& po
   for (const Eigen::Vector3d& point : points) box.extend(point);
   const Eigen::Vector3d target = box.center();
   const Eigen::Vector3d direction = Eigen::Vector3d(0.75, -1.0, 0.62).normalized();
-  const double step = std::max(0.05, 0.05 * box.diagonal().norm());
+  const double step = std::max(0.01, 0.02 * box.diagonal().norm());
   Pose T_world_camera = LookAt(target + step * direction, target);
-  for (int i = 1; i < 200; ++i) {
+  for (int i = 1; i < 1000; ++i) {
     T_world_camera = LookAt(target + i * step * direction, target);
     const Pose T_camera_world = T_world_camera.inverse();
     const bool all_in =
@@ -63,8 +63,8 @@ size_t ColorIndex(const RecordedRun& run, int32_t instance) {
   return objects.size();
 }
 
-RgbImage ScenePicture(const RecordedRun& run, const ReportSetup& setup) {
-  const CameraModel camera = PictureCamera(1100, 720);
+RgbImage ScenePicture(const RecordedRun& run, const ReportSetup& setup, SceneCut cut) {
+  const CameraModel camera = PictureCamera(1000, 680);
   ShadedScene scene;
   std::vector<Eigen::Vector3d> points;
   TriangleMesh table;
@@ -73,13 +73,6 @@ RgbImage ScenePicture(const RecordedRun& run, const ReportSetup& setup) {
     table = TableMesh(
         {plane.center.x(), plane.center.y(), plane.height}, plane.size.x(), plane.size.y(), 0.02);
     scene.items.push_back({&table, Pose::Identity(), kTableColor});
-    for (const double x : {-0.4, 0.4}) {
-      for (const double y : {-0.4, 0.4}) {
-        points.emplace_back(plane.center.x() + x * plane.size.x(),
-                            plane.center.y() + y * plane.size.y(),
-                            plane.height);
-      }
-    }
   }
   for (const object_estimate_t& object : run.views.back().objects.objects) {
     const auto model = setup.models.find(object.model_id);
@@ -89,11 +82,15 @@ RgbImage ScenePicture(const RecordedRun& run, const ReportSetup& setup) {
     }
     scene.items.push_back(
         {&model->second.mesh, *pose, ObjectColor(ColorIndex(run, object.instance_id))});
-    points.push_back(*pose * model->second.center);
+    const Eigen::AlignedBox3d bounds = model->second.mesh.Bounds().cast<double>();
+    for (int corner = 0; corner < 8; ++corner) {
+      points.push_back(*pose * bounds.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+    }
   }
+  if (points.empty()) points = {{-0.2, -0.2, 0.0}, {0.2, 0.2, 0.2}};
   const RunView* previous = nullptr;
   for (const RunView& view : run.views) {
-    if (view.utime == 0) continue;
+    if (view.utime == 0 || cut == SceneCut::kObjects) continue;
     const CameraModel seen = run.camera.value_or(CameraModel{});
     const auto lines = FrustumLines(seen, view.T_world_camera, 0.07, 1.6, kCameraColor);
     scene.lines.insert(scene.lines.end(), lines.begin(), lines.end());
@@ -122,7 +119,19 @@ RgbImage ViewPicture(const RecordedRun& run, const RunView& view, const ReportSe
   return DrawDepthView(view.depth, *run.camera, models, 480, 360).image;
 }
 
-RgbImage HistogramPicture(const orientation_histogram_t& histogram) {
+Eigen::Vector3d HistogramSide(const RecordedRun& run, int32_t instance) {
+  for (const object_estimate_t& object : run.views.back().objects.objects) {
+    const std::optional<Pose> pose = EstimatedPose(object);
+    if (object.instance_id != instance || !pose) continue;
+    // A little from above, so that the poles are seen too.
+    const Eigen::Vector3d peak = DirectionOfOrientation(Eigen::Quaterniond(pose->linear()));
+    return peak + Eigen::Vector3d(0.0, 0.0, peak.z() < 0.0 ? -0.4 : 0.4);
+  }
+  return Eigen::Vector3d::Ones();
+}
+
+RgbImage HistogramPicture(const orientation_histogram_t& histogram,
+                          const Eigen::Vector3d& towards) {
   std::vector<SphereSample> samples;
   if (histogram.k >= So3Grid::kSmallest && histogram.k <= So3Grid::kLargest) {
     const So3Grid grid(histogram.k);
@@ -134,7 +143,9 @@ RgbImage HistogramPicture(const orientation_histogram_t& histogram) {
                          static_cast<float>(weight)});
     }
   }
-  return RenderSphereDensity(samples, SphereView{});
+  SphereView view;
+  view.towards = towards;
+  return RenderSphereDensity(samples, view);
 }
 
 }  // namespace vantage
