@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <map>
@@ -29,7 +30,10 @@
 namespace vantage {
 namespace {
 
-constexpr int kTimeout = 3;  // Exit code.
+constexpr int kTimeout = 3;         // Exit code.
+constexpr size_t kMaxNames = 100;   // Of channels and processes: names come from outside.
+constexpr double kSilentAfter = 5;  // s without a PROCESS_STATUS, which comes every second.
+constexpr const char* kOwnName = "progress";
 
 struct Arguments {
   std::string config;
@@ -61,7 +65,7 @@ class Progress {
   Result<void> On(Bus& bus, const std::string& channel, void (Progress::*handler)(const Message&)) {
     return bus.Subscribe<Message>(
         channel, {}, [this, handler](const Envelope& envelope, const Message& message) {
-          if (heard_.size() < 100) heard_.insert(envelope.channel);
+          if (heard_.size() < kMaxNames) heard_.insert(envelope.channel);
           (this->*handler)(message);
         });
   }
@@ -81,8 +85,12 @@ class Progress {
   bool is_terminal_;
   Clock::time_point start_ = Clock::now();
   std::set<std::string> heard_;
-  std::map<std::string, int64_t> processes_;  // start_utime by name
-  std::map<std::string, std::string> process_states_;
+  struct Process {
+    int64_t start_utime = 0;
+    std::string state;
+    double heard_at = 0.0;  // s
+  };
+  std::map<std::string, Process> processes_;  // By name.
   std::map<std::string, int> camera_states_;
   std::pair<int, int64_t> arm_state_{-1, -1};
   int64_t decision_ = -1;
@@ -113,7 +121,7 @@ void Progress::Say(const std::string& line) const {
 void Progress::ShowStatus() const {
   if (!is_terminal_) return;
   std::printf("\r\033[K%5.1f s", seconds());
-  if (timeout_ > 0.0) std::printf(" of at most %.0f", timeout_);
+  if (timeout_ > 0.0) std::printf(", %.0f s left", std::max(0.0, timeout_ - seconds()));
   std::printf(", %d views, %jd images searched", num_viewpoints_, intmax_t{num_detections_});
   std::fflush(stdout);
 }
@@ -129,27 +137,40 @@ std::string Progress::WhoIsSilent() const {
   expect("CAMERA_" + setup_.camera + "_STATUS", "the camera driver");
   expect("DETECTIONS_", "an estimator, e.g. vantage-ppf");
   expect("OBJECTS", "vantage-fusion");
-  if (silent.empty())
-    silent = Format("the objects have not converged after %d views", num_viewpoints_);
+  for (const auto& [name, process] : processes_) {
+    const double silence = seconds() - process.heard_at;
+    if (silence < kSilentAfter) continue;
+    silent += Format("%sprocess %s has been silent for %.0f s",
+                     silent.empty() ? "" : ", ",
+                     name.c_str(),
+                     silence);
+  }
+  if (silent.empty()) {
+    silent =
+        Format("all are heard, but the objects have not converged after %d views", num_viewpoints_);
+  }
   return silent;
 }
 
 void Progress::OnProcess(const process_status_t& message) {
-  const auto known = processes_.find(message.name);
-  if (known == processes_.end()) {
+  if (message.name == kOwnName) return;
+  const bool known = processes_.contains(message.name);
+  if (!known && processes_.size() >= kMaxNames) return;
+  Process& process = processes_[message.name];
+  process.heard_at = seconds();
+  if (!known) {
     Say(Format("process %s is up (pid %d, receive buffer %d bytes)",
                message.name.c_str(),
                message.pid,
                message.receive_buffer_granted));
-  } else if (known->second != message.start_utime) {
+  } else if (process.start_utime != message.start_utime) {
     Say(Format("process %s was started again (pid %d)", message.name.c_str(), message.pid));
   }
-  processes_[message.name] = message.start_utime;
-  std::string& state = process_states_[message.name];
-  if (state != message.state && (message.state != "ok" || !state.empty())) {
+  process.start_utime = message.start_utime;
+  if (process.state != message.state && (message.state != "ok" || !process.state.empty())) {
     Say(Format("process %s: %s", message.name.c_str(), message.state.c_str()));
   }
-  state = message.state;
+  process.state = message.state;
 }
 
 void Progress::OnCamera(const camera_status_t& message) {
@@ -221,7 +242,7 @@ int Run(const Arguments& arguments) {
   Result<ConfigReader> config = ConfigReader::Open(arguments.config);
   if (!config) return Fail(config.error());
   LiveBus::Options options = ReadBusOptions(*config);
-  options.name = "progress";
+  options.name = kOwnName;
   if (!arguments.url.empty()) options.url = arguments.url;
   Result<std::unique_ptr<LiveBus>> bus = LiveBus::Create(options);
   if (!bus) return Fail(bus.error());
@@ -235,7 +256,8 @@ int Run(const Arguments& arguments) {
     if (arguments.until_finished && progress.finished()) break;
     if (arguments.timeout > 0.0 && progress.seconds() > arguments.timeout) {
       std::fprintf(stderr,
-                   "\nvantage-progress: not finished within %.0f s: %s\n",
+                   "%svantage-progress: not finished within %.0f s: %s\n",
+                   isatty(STDOUT_FILENO) != 0 ? "\n" : "",
                    arguments.timeout,
                    progress.WhoIsSilent().c_str());
       return kTimeout;

@@ -31,10 +31,12 @@ bool HasErrors(const std::vector<std::optional<PoseError>>& errors) {
 
 Result<std::string> ErrorFigure(const RunMetrics& metrics, const std::vector<Rgb>& colors) {
   std::string script =
-      "set terminal svg size 900,380 dynamic font 'sans-serif,13' background '#ffffff'\n"
+      "set terminal svg noenhanced size 860,400 dynamic font 'sans-serif,15' background "
+      "'#ffffff'\n"
       "set logscale y\nset grid ytics lc rgb '#dddddd'\nset border 3 lc rgb '#888888'\n"
-      "set tics nomirror\nset xlabel 'view'\nset ylabel 'orientation error (degrees)'\n"
-      "set key outside right top\nset offsets 0.3, 0.3, 0, 0\nset format y '%g'\n";
+      "set tics nomirror textcolor rgb '#555555'\n"
+      "set xlabel 'view'\nset ylabel 'orientation error (degrees)'\n"
+      "set key outside center top horizontal\nset offsets 0.3, 0.3, 0, 0\nset format y '%g'\n";
   std::string plots;
   size_t views = 0;
   for (size_t i = 0; i < metrics.objects.size(); ++i) {
@@ -43,22 +45,19 @@ Result<std::string> ErrorFigure(const RunMetrics& metrics, const std::vector<Rgb
     const std::string color = HexColor(colors[i]);
     if (HasErrors(object.detected)) {
       AppendData(Format("detected%zu", i), object.detected, &script);
-      plots += Format(
-          "%s$detected%zu using 1:2 with points pt 6 ps 0.8 lc rgb '%s' title '%s, this view "
-          "alone'",
-          plots.empty() ? "" : ", ",
-          i,
-          color.c_str(),
-          object.model_id.c_str());
+      plots += Format("%s$detected%zu using 1:2 with points pt 6 ps 0.9 lw 1.5 lc rgb '%s' notitle",
+                      plots.empty() ? "" : ", ",
+                      i,
+                      color.c_str());
     }
     if (HasErrors(object.fused)) {
       AppendData(Format("fused%zu", i), object.fused, &script);
-      plots += Format(
-          "%s$fused%zu using 1:2 with linespoints pt 7 ps 0.6 lw 2.5 lc rgb '%s' title '%s, fused'",
-          plots.empty() ? "" : ", ",
-          i,
-          color.c_str(),
-          object.model_id.c_str());
+      plots +=
+          Format("%s$fused%zu using 1:2 with linespoints pt 7 ps 0.6 lw 2.5 lc rgb '%s' title '%s'",
+                 plots.empty() ? "" : ", ",
+                 i,
+                 color.c_str(),
+                 object.model_id.c_str());
     }
   }
   if (plots.empty()) return std::string();

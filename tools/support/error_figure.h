@@ -9,9 +9,9 @@
 
 namespace vantage {
 
-/// Error by view as SVG: every object's fused estimate as a line, the views' own detections as dots
-/// of the same color; degrees, logarithmic; empty when
-/// no error is known. Errors as RunGnuplot.
+/// Error by view as SVG: every object's fused estimate as a line, the views' own detections as
+/// circles of the same color; degrees, logarithmic; empty when no error is known. Errors as
+/// RunGnuplot.
 /// @param colors of metrics.objects.
 Result<std::string> ErrorFigure(const RunMetrics& metrics, const std::vector<Rgb>& colors);
 

@@ -24,6 +24,7 @@ th,td { text-align:right; padding:6px 10px; border-bottom:1px solid var(--line);
 th:first-child,td:first-child { text-align:left; } tr:last-child td { border-bottom:0; }
 th { color:var(--soft); font-weight:600; font-size:.9rem; }
 img { max-width:100%; height:auto; display:block; border-radius:6px; }
+.wide { width:100%; min-width:600px; max-width:none; }
 .grid { display:grid; gap:16px; grid-template-columns:repeat(auto-fill,minmax(min(100%,330px),1fr)); }
 .pair { display:grid; gap:16px; grid-template-columns:repeat(auto-fit,minmax(min(100%,450px),1fr)); }
 .dot { display:inline-block; width:.75em; height:.75em; border-radius:50%; margin-right:.5em; }
@@ -184,7 +185,7 @@ Result<std::string> ReportPage(const std::string& title,
     const Result<std::string> figure = ErrorFigure(metrics, ObjectColors(run, metrics));
     if (!figure) return figure.error();
     if (!figure->empty()) {
-      html += "<h2>Error by view</h2><figure class=\"card\"><img alt=\"error by view\" src=\"" +
+      html += "<h2>Error by view</h2><figure class=\"card\"><img class=\"wide\" alt=\"error by view\" src=\"" +
               DataUri("image/svg+xml", *figure) +
               "\"><figcaption>Circles: what a view says by itself. Lines: all views so far, fused."
               "</figcaption></figure>";

@@ -29,7 +29,7 @@ struct ShadedLine {
 struct ShadedScene {
   std::vector<ShadedItem> items;
   std::vector<ShadedLine> lines;
-  Eigen::Vector3d light = {0.35, -0.5, 0.8};  ///< Towards the lamp, world; any length.
+  Eigen::Vector3d light = {-0.8, -0.3, 0.75};  ///< Towards the lamp, world; any length.
 };
 
 /// The scene as seen by `camera`: Lambert shading with one lamp that throws shadows, light from the
