@@ -1,7 +1,6 @@
 #include "tools/support/recorded_run.h"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "bus/conversions.h"
@@ -9,6 +8,7 @@
 #include "bus/image_conversion.h"
 #include "bus/message_check.h"
 #include "common/format.h"
+#include "perception/model/object_model.h"
 #include "vantage/camera_info_t.hpp"
 #include "vantage/next_view_t.hpp"
 
@@ -22,7 +22,8 @@ class RunReader {
 
   void Read(const LogEvent& event) {
     if (event.channel == "OBJECTS") {
-      if (const auto message = DecodeChecked<object_estimates_t>(event.data)) OnObjects(*message);
+      auto message = DecodeChecked<object_estimates_t>(event.data);
+      if (message) OnObjects(std::move(message).value());
     } else if (event.channel.starts_with("DETECTIONS_")) {
       const auto message = DecodeChecked<detections_t>(event.data);
       if (!message) return;
@@ -46,19 +47,38 @@ class RunReader {
   RecordedRun Finish() && { return std::move(run_); }
 
  private:
-  void OnObjects(const object_estimates_t& message) {
+  void OnObjects(object_estimates_t message) {
+    // Ids end up in pages and files: only such as models have.
+    std::erase_if(message.objects, [](const object_estimate_t& object) {
+      return !CheckModelId(object.model_id).ok();
+    });
+    message.num_objects = static_cast<int32_t>(message.objects.size());
     const auto num_views = static_cast<size_t>(std::clamp(message.num_viewpoints, 0, 100'000));
+    if (num_views < run_.views.size()) {  // Fusion was started anew.
+      run_.views.clear();
+      run_.finished = false;
+    }
     run_.finished = run_.finished || message.finished != 0;
     if (num_views == 0) return;
     run_.views.resize(num_views);
     RunView& view = run_.views.back();
-    view.objects = message;
-    for (const object_estimate_t& object : message.objects) {
+    view.objects = std::move(message);
+    if (view.utime == 0) PlaceView(&view);
+    for (const object_estimate_t& object : view.objects.objects) {
       for (const detection_source_t& source : object.sources) {
         if (source.viewpoint == static_cast<int32_t>(num_views) - 1) {
           TakeDetection(object.instance_id, source, &view);
         }
       }
+    }
+  }
+
+  // A view in which nothing was found has a place and an image too.
+  void PlaceView(RunView* view) const {
+    for (const auto& [key, set] : latest_sets_) {
+      if (set.utime != view->objects.utime) continue;
+      view->utime = set.utime;
+      view->T_world_camera = set.T_world_camera;
     }
   }
 

@@ -19,7 +19,7 @@ namespace vantage {
 
 /// What happened at one viewpoint of a run.
 struct RunView {
-  int64_t utime = 0;                       ///< us, of the image that stands for it
+  int64_t utime = 0;  ///< us, of the image that stands for it; 0: the log does not tell
   Pose T_world_camera = Pose::Identity();  ///< at utime
   DepthImage depth;                        ///< that image; empty when the log has none
   std::map<int32_t, Pose> detections;      ///< T_world_object by instance id: this view alone
@@ -37,7 +37,8 @@ struct RecordedRun {
 };
 
 /// Reads OBJECTS, DETECTIONS_*, ORIENTATION_HISTOGRAM, NEXT_VIEW and CAMERA_<camera>* of a log.
-/// Messages that fail their checks are left out. Errors: the log; no OBJECTS in it.
+/// Messages that fail their checks are left out. Where fusion was started anew, what was before is
+/// no part of the run. Errors: the log; no OBJECTS in it.
 Result<RecordedRun> ReadRun(const std::filesystem::path& log, const std::string& camera);
 
 /// T_world_object of the first peak of an estimate; nothing when it has none or it is invalid.

@@ -20,7 +20,9 @@ void FollowInstance(const RecordedRun& run,
                     const ObjectModel& model,
                     const std::optional<Pose>& truth,
                     ObjectHistory* history) {
+  int64_t start_utime = 0;
   for (const RunView& view : run.views) {
+    if (start_utime == 0) start_utime = view.utime;
     std::optional<PoseError> detected;
     std::optional<PoseError> fused;
     if (const auto found = view.detections.find(*history->instance);
@@ -32,7 +34,9 @@ void FollowInstance(const RecordedRun& run,
       if (truth && pose) fused = ErrorOf(model, *pose, *truth);
       if (!history->converged) {
         history->converged = object->converged != 0;
-        history->seconds = 1e-6 * static_cast<double>(view.utime - run.views.front().utime);
+        if (view.utime != 0) {
+          history->seconds = 1e-6 * static_cast<double>(view.utime - start_utime);
+        }
       }
       history->num_views = object->num_views;
     }
