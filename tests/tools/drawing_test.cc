@@ -1,4 +1,4 @@
-// What the pictures of reports are drawn with.
+// Colors, lines, light and spheres of the pictures in reports.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,6 @@
 #include "tools/support/color.h"
 #include "tools/support/rgb_canvas.h"
 #include "tools/support/shaded_scene.h"
-#include "tools/support/smooth_normals.h"
 #include "tools/support/sphere_renderer.h"
 
 namespace vantage {
@@ -81,48 +80,6 @@ TEST(RgbCanvas, DownsampleIsTheMeanOfEachBlock) {
   EXPECT_NEAR(PixelAt(small, 1, 1).g, mean, 0.51);
 }
 
-TEST(SmoothNormals, CreaseStaysSharpAndRoundTurnsSmooth) {
-  const TriangleMesh box = Box(0.1, 0.1, 0.1);
-  const SmoothNormals sharp(box);
-  for (size_t t = 0; t < box.triangles.size(); ++t) {
-    const Eigen::Vector3f corner = box.vertices[box.triangles[t][0]];
-    EXPECT_LT((sharp.At(t, corner) - box.ScaledNormal(t).normalized()).norm(), 1e-5F) << t;
-  }
-
-  // A tube of 24 sides: at an edge the two sides' normals meet in the radial direction.
-  TriangleMesh tube;
-  const int sides = 24;
-  for (int i = 0; i < sides; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / sides;
-    for (const double z : {0.0, 0.1}) {
-      tube.vertices.emplace_back(
-          Eigen::Vector3d(0.05 * std::cos(angle), 0.05 * std::sin(angle), z).cast<float>());
-    }
-  }
-  for (uint32_t i = 0; i < sides; ++i) {
-    const uint32_t a = 2 * i;
-    const uint32_t b = 2 * ((i + 1) % sides);
-    tube.triangles.push_back({a, b, a + 1});
-    tube.triangles.push_back({b, b + 1, a + 1});
-  }
-  const SmoothNormals smooth(tube);
-  for (size_t t = 0; t < tube.triangles.size(); ++t) {
-    const Eigen::Vector3f corner = tube.vertices[tube.triangles[t][0]];
-    const Eigen::Vector3f radial = Eigen::Vector3f(corner.x(), corner.y(), 0.0F).normalized();
-    EXPECT_GT(smooth.At(t, corner).dot(radial), std::cos(0.07F)) << t;
-  }
-}
-
-TEST(ShadedScene, TableFacesAreCounterClockwiseFromOutside) {
-  const TriangleMesh table = TableMesh({1.0, 2.0, 3.0}, 0.4, 0.2, 0.1);
-  const Eigen::Vector3f middle(1.0F, 2.0F, 2.95F);
-  for (size_t t = 0; t < table.triangles.size(); ++t) {
-    const Eigen::Vector3f outwards = table.vertices[table.triangles[t][0]] - middle;
-    EXPECT_GT(table.ScaledNormal(t).dot(outwards), 0.0F) << t;
-  }
-  EXPECT_NEAR(table.Area(), 2.0 * (0.4 * 0.2 + 0.4 * 0.1 + 0.2 * 0.1), 1e-6);
-}
-
 TEST(ShadedScene, ObjectThrowsItsShadowAwayFromTheLamp) {
   const TriangleMesh table = TableMesh({0.0, 0.0, 0.0}, 1.0, 1.0, 0.02);
   const TriangleMesh post = Box(0.06, 0.06, 0.15);
@@ -142,19 +99,6 @@ TEST(ShadedScene, ObjectThrowsItsShadowAwayFromTheLamp) {
   };
   EXPECT_LT(grey_at(-0.10), 0.85 * grey_at(0.10));  // 0.15 m high, lamp at 45 degrees.
   EXPECT_NEAR(grey_at(-0.25), grey_at(0.10), 2.0);  // Behind the shadow's end.
-}
-
-TEST(ShadedScene, LineBehindAnObjectIsFaint) {
-  const TriangleMesh wall = Box(0.4, 0.4, 0.02);
-  ShadedScene scene;
-  scene.items = {{&wall, Pose::Identity(), {220, 220, 220}}};
-  const Rgb blue{0, 0, 255};
-  scene.lines = {{{-0.5, 0.0, -0.2}, {0.5, 0.0, -0.2}, 2.0, blue}};
-  const CameraModel camera{101, 101, 100.0, 100.0, 50.0, 50.0};
-  const RgbImage image =
-      RenderShaded(scene, camera, LookAt({0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}));
-  EXPECT_EQ(PixelAt(image, 15, 50), blue);  // Beside the wall.
-  EXPECT_GT(PixelAt(image, 50, 50).r, 100);
 }
 
 TEST(ShadedScene, WithoutItemsThereIsASky) {
