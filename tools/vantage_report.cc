@@ -28,6 +28,7 @@ struct Arguments {
   std::string title = "Vantage run";
   ReportLimits limits;
   bool per_view = false;
+  bool better_than_median = false;
   bool check = false;
 };
 
@@ -103,6 +104,10 @@ Result<bool> Report(const Arguments& arguments) {
   }
   if (arguments.per_view) std::printf("%s\n", ViewTable(metrics).c_str());
   std::printf("%s", SummaryTable(metrics, arguments.limits).c_str());
+  if (arguments.better_than_median && !metrics.BetterThanMedianDetection()) {
+    std::printf("an object's fused orientation is no better than its median single detection\n");
+    return false;
+  }
   return metrics.Within(arguments.limits.rotation_deg * kDegree,
                         1e-3 * arguments.limits.position_mm);
 }
@@ -132,6 +137,9 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   app.add_flag("--per-view", arguments.per_view, "print every view's errors");
+  app.add_flag("--better-than-median",
+               arguments.better_than_median,
+               "let --check fail, too, where an object's median single detection is as good");
   app.add_flag("--check", arguments.check, "exit 1 when an object is missed, wrong or not there");
   try {
     app.parse(argc, argv);

@@ -19,7 +19,8 @@ trap clean_up EXIT
 
 # write_config STATE_FILE: the demo's set-up with its own saved state.
 write_config() {
-  sed -e "s|^folder = .*|folder = \"$root/models\"|" \
+  # Six views: room for what the tests do in mid-run.
+  sed -e "s|^min_views = .*|min_views = 6|" -e "s|^folder = .*|folder = \"$root/models\"|" \
     -e "s|^\[fusion\]|[fusion]\nstate_file = \"$1\"|" "$root/config/demo.toml" >"$config"
 }
 

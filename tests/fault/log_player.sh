@@ -27,3 +27,4 @@ for run in run played; do
   "$bin/vantage-report" "$out/$run.lcm" --config "$config" --output "$out/report-$run" \
     --max-rotation-deg 2 --max-position-mm 3 --check || give_up "$run: an object is wrong"
 done
+"$bin/compare_objects" "$out/run.lcm" "$out/played.lcm" "$config" || give_up "the objects differ"

@@ -1,9 +1,10 @@
 # Installs what packages.txt names. Sourced; needs $root, the project's folder.
 
-# install_packages [NAME...]: the packages of packages.txt and the named ones that are not there yet.
+# install_packages [bench]: the packages of packages.txt that are not there yet; those marked "bench"
+# only when asked for.
 install_packages() {
   local wanted missing=() name
-  wanted=$(sed -e 's/#.*//' "$root/packages.txt"; printf '%s\n' "$@")
+  wanted=$(sed -e 's/#.*//' "$root/packages.txt" | awk -v with="${1:-}" 'NF == 1 || $2 == with { print $1 }')
   for name in $wanted; do
     dpkg-query -W -f '${db:Status-Status}\n' "$name" 2>/dev/null | grep -qx installed || missing+=("$name")
   done

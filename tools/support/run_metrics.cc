@@ -82,6 +82,14 @@ bool RunMetrics::Within(double largest_angle, double largest_distance) const {
          });
 }
 
+bool RunMetrics::BetterThanMedianDetection() const {
+  return std::all_of(objects.begin(), objects.end(), [](const ObjectHistory& object) {
+    const std::optional<PoseError> error = object.final_error();
+    const std::optional<double> median = object.median_detection_angle();
+    return error && median && error->angle < *median;
+  });
+}
+
 std::map<size_t, int32_t> MatchToTruth(const object_estimates_t& objects,
                                        const ReportSetup& setup) {
   std::vector<std::tuple<double, size_t, int32_t>> pairs;  // Distance, truth, instance.

@@ -43,6 +43,8 @@ struct RunMetrics {
 
   /// Every object of the truth is found, within both limits, and nothing else.
   [[nodiscard]] bool Within(double largest_angle, double largest_distance) const;
+  /// Every object's final orientation is nearer to the truth than its median single detection.
+  [[nodiscard]] bool BetterThanMedianDetection() const;
 };
 
 /// Judges a run. Estimates go with the nearest object of the truth of their model, each with one at
