@@ -14,6 +14,29 @@
 
 namespace vantage {
 
+namespace {
+
+// Values as they would stand in a file.
+std::string TextOf(const toml::node& node) {
+  std::ostringstream stream;
+  node.visit([&stream](const auto& value) { stream << value; });
+  return stream.str();
+}
+std::string TextOf(double value) { return Format("%.10g", value); }
+std::string TextOf(bool value) { return value ? "true" : "false"; }
+std::string TextOf(int64_t value) { return std::to_string(value); }
+std::string TextOf(int value) { return std::to_string(value); }
+std::string TextOf(const std::string& value) { return TextOf(toml::value<std::string>(value)); }
+
+template <class T>
+std::string TextOf(const std::vector<T>& values) {
+  std::string text;
+  for (const T& value : values) text += (text.empty() ? "" : ", ") + TextOf(value);
+  return "[" + text + "]";
+}
+
+}  // namespace
+
 struct ConfigReader::Document {
   std::string name;
   std::filesystem::path folder;
@@ -29,6 +52,7 @@ struct ConfigReader::Table::Node {
   const toml::table* toml = nullptr;
   std::string path;  // "" or "fusion." or "sim.object[1]."
   std::set<std::string, std::less<>> asked;
+  std::map<std::string, std::string> defaults;  // As they would stand in a file.
   std::map<std::string, std::vector<std::shared_ptr<Node>>> children;
   bool ignored = false;
 
@@ -40,19 +64,33 @@ struct ConfigReader::Table::Node {
       where += Format(":%u", static_cast<unsigned>(at->source().begin.line));
     }
     std::string value;
-    if (at != nullptr && at->is_value()) {
-      std::ostringstream stream;
-      at->visit([&stream](const auto& node) {
-        if constexpr (toml::is_value<decltype(node)>) stream << node;
-      });
-      value = " = " + stream.str();
-    }
+    if (at != nullptr && at->is_value()) value = " = " + TextOf(*at);
     owner->first_error = where + ": " + path + key + value + ": " + expectation;
   }
 
   const toml::node* Ask(const std::string& key) {
     asked.insert(key);
     return toml == nullptr ? nullptr : toml->get(key);
+  }
+
+  template <class T>
+  const toml::node* Ask(const std::string& key, const T& default_value) {
+    defaults.emplace(key, TextOf(default_value));
+    return Ask(key);
+  }
+
+  void AppendEffective(std::string* text) const {
+    for (const std::string& key : asked) {
+      const toml::node* node = toml == nullptr ? nullptr : toml->get(key);
+      const auto tables = children.find(key);
+      if (tables != children.end()) {
+        for (const std::shared_ptr<Node>& child : tables->second) child->AppendEffective(text);
+      } else if (node != nullptr) {
+        *text += path + key + " = " + TextOf(*node) + "\n";
+      } else if (const auto found = defaults.find(key); found != defaults.end()) {
+        *text += path + key + " = " + found->second + "\n";
+      }
+    }
   }
 
   void ReportUnasked() const {
@@ -108,7 +146,7 @@ void ConfigReader::Table::Read(const std::string& key,
                                double* value,
                                double lowest,
                                double highest) {
-  const toml::node* node = node_->Ask(key);
+  const toml::node* node = node_->Ask(key, *value);
   if (node == nullptr) return;
   const std::optional<double> number = NumberIn(*node, lowest, highest);
   if (!number) return node_->Fail(key, node, Range(lowest, highest));
@@ -116,7 +154,7 @@ void ConfigReader::Table::Read(const std::string& key,
 }
 
 void ConfigReader::Table::Read(const std::string& key, int* value, int lowest, int highest) {
-  const toml::node* node = node_->Ask(key);
+  const toml::node* node = node_->Ask(key, *value);
   if (node == nullptr) return;
   const std::optional<int> number = IntegerIn(*node, lowest, highest);
   if (!number) return node_->Fail(key, node, Range(lowest, highest) + ", whole");
@@ -127,7 +165,7 @@ void ConfigReader::Table::Read(const std::string& key,
                                int64_t* value,
                                int64_t lowest,
                                int64_t highest) {
-  const toml::node* node = node_->Ask(key);
+  const toml::node* node = node_->Ask(key, *value);
   if (node == nullptr) return;
   const std::optional<int64_t> number = IntegerIn(*node, lowest, highest);
   if (!number) return node_->Fail(key, node, Range(lowest, highest) + ", whole");
@@ -135,21 +173,21 @@ void ConfigReader::Table::Read(const std::string& key,
 }
 
 void ConfigReader::Table::Read(const std::string& key, bool* value) {
-  const toml::node* node = node_->Ask(key);
+  const toml::node* node = node_->Ask(key, *value);
   if (node == nullptr) return;
   if (!node->is_boolean()) return node_->Fail(key, node, "expected true or false");
   *value = node->as_boolean()->get();
 }
 
 void ConfigReader::Table::Read(const std::string& key, std::string* value) {
-  const toml::node* node = node_->Ask(key);
+  const toml::node* node = node_->Ask(key, *value);
   if (node == nullptr) return;
   if (!node->is_string()) return node_->Fail(key, node, "expected a text in quotes");
   *value = node->as_string()->get();
 }
 
 void ConfigReader::Table::Read(const std::string& key, std::vector<std::string>* value) {
-  const toml::node* node = node_->Ask(key);
+  const toml::node* node = node_->Ask(key, *value);
   if (node == nullptr) return;
   const char* expectation = "expected a list of texts in quotes";
   if (!node->is_array()) return node_->Fail(key, node, expectation);
@@ -166,7 +204,7 @@ void ConfigReader::Table::ReadNumbers(const std::string& key,
                                       double lowest,
                                       double highest,
                                       std::vector<double>* value) {
-  const toml::node* node = node_->Ask(key);
+  const toml::node* node = node_->Ask(key, *value);
   if (node == nullptr) return;
   const std::string expectation =
       Format("expected a list of %zu numbers from %g to %g", size, lowest, highest);
@@ -185,7 +223,7 @@ void ConfigReader::Table::ReadNumbers(const std::string& key,
 void ConfigReader::Table::ReadChoice(const std::string& key,
                                      std::string* value,
                                      const std::vector<std::string>& allowed) {
-  const toml::node* node = node_->Ask(key);
+  const toml::node* node = node_->Ask(key, *value);
   if (node == nullptr) return;
   std::string expectation = "expected one of";
   for (const std::string& choice : allowed) {
@@ -200,13 +238,14 @@ void ConfigReader::Table::ReadChoice(const std::string& key,
 
 void ConfigReader::Table::ReadPose(Pose* value) {
   constexpr double kFarthest = 1000.0;  // m
-  std::vector<double> position;
+  const Eigen::Vector3d start = value->translation();
+  std::vector<double> position = {start.x(), start.y(), start.z()};
   std::vector<double> wxyz;
   std::vector<double> rpy;
   ReadNumbers("position_m", 3, -kFarthest, kFarthest, &position);
   ReadNumbers("quaternion_wxyz", 4, -1.0, 1.0, &wxyz);
   ReadNumbers("rpy_deg", 3, -360.0, 360.0, &rpy);
-  if (!position.empty()) value->translation() << position[0], position[1], position[2];
+  value->translation() << position[0], position[1], position[2];
   if (!wxyz.empty() && !rpy.empty()) {
     return Fail("rpy_deg", "expected rpy_deg or quaternion_wxyz, not both");
   }
@@ -225,11 +264,13 @@ void ConfigReader::Table::ReadPose(Pose* value) {
 }
 
 void ConfigReader::Table::ReadPath(const std::string& key, std::filesystem::path* value) {
-  std::string text;
+  std::string text = value->string();
   Read(key, &text);
-  if (text.empty()) return;
-  const std::shared_ptr<Document> document = node_->document.lock();
-  *value = (document->folder / text).lexically_normal();
+  if (Has(key) && !text.empty()) *value = FromFolder(text);
+}
+
+std::filesystem::path ConfigReader::Table::FromFolder(const std::filesystem::path& path) const {
+  return (node_->document.lock()->folder / path).lexically_normal();
 }
 
 bool ConfigReader::Table::Has(const std::string& key) const {
@@ -346,6 +387,12 @@ Result<void> ConfigReader::Finish() {
   document_->root_node->ReportUnasked();
   if (document_->first_error) return Error{ErrorCode::kInvalidArgument, *document_->first_error};
   return {};
+}
+
+std::string ConfigReader::Effective() const {
+  std::string text;
+  document_->root_node->AppendEffective(&text);
+  return text;
 }
 
 const std::string& ConfigReader::text() const { return document_->text; }

@@ -45,6 +45,8 @@ class ConfigReader {
     void ReadPose(Pose* value);
     /// A path, made absolute: relative ones start at the config file's folder.
     void ReadPath(const std::string& key, std::filesystem::path* value);
+    /// The rule of ReadPath, for a path that is part of a text.
+    [[nodiscard]] std::filesystem::path FromFolder(const std::filesystem::path& path) const;
 
     [[nodiscard]] bool Has(const std::string& key) const;
     /// True when the key was read, or its table taken, before.
@@ -77,6 +79,9 @@ class ConfigReader {
   Table Root();
   /// The first error met, or the first key that nobody asked for.
   Result<void> Finish();
+  /// Every key that was asked for with the value in effect, the file's or the default, each as a
+  /// line "table.key = value".
+  [[nodiscard]] std::string Effective() const;
   /// The file's text.
   [[nodiscard]] const std::string& text() const;
   /// FNV-1a of the text, hexadecimal.

@@ -82,9 +82,9 @@ Result<CameraCalibration> LoadCameraCalibration(const std::filesystem::path& fil
   table.Read("cx_px", &model.cx, -kLongest, kLongest);
   table.Read("cy_px", &model.cy, -kLongest, kLongest);
   table.ReadChoice("distortion_model", &calibration.distortion_model, {"none", "brown_conrady"});
+  table.ReadNumbers("distortion", 5, -100.0, 100.0, &calibration.distortion);
   if (calibration.distortion_model == "brown_conrady") {
     table.Require("distortion");
-    table.ReadNumbers("distortion", 5, -100.0, 100.0, &calibration.distortion);
   } else if (table.Has("distortion")) {
     table.Fail("distortion", "expected distortion_model = \"brown_conrady\" beside it");
   }
@@ -121,6 +121,9 @@ Result<Openni2Config> ReadOpenni2Config(ConfigReader& config, const std::string&
   const Result<DeviceSelector> selector = DeviceSelector::Parse(device);
   if (selector) {
     result.device = *selector;
+    if (selector->kind == DeviceSelector::Kind::kRecording) {
+      result.device.value = table.FromFolder(selector->value).string();
+    }
   } else {
     table.Fail("device", selector.error().message);
   }

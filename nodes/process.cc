@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <sstream>
 #include <stop_token>
 #include <thread>
 
@@ -19,6 +20,22 @@ constexpr int kBadInput = 2;
 int Fail(const std::string& name, const Error& error) {
   std::fprintf(stderr, "%s: %s\n", name.c_str(), error.message.c_str());
   return kBadInput;
+}
+
+// What this process runs with, for whoever reads its log later.
+void PrintStart(const std::string& name,
+                const std::string& config_file,
+                const ConfigReader& config,
+                const std::string& url) {
+  std::fprintf(stderr,
+               "%s %s: config %s (%s), %s\n",
+               name.c_str(),
+               VANTAGE_VERSION,
+               config_file.c_str(),
+               config.Hash().c_str(),
+               url.c_str());
+  std::istringstream lines(config.Effective());
+  for (std::string line; std::getline(lines, line);) std::fprintf(stderr, "  %s\n", line.c_str());
 }
 
 // Turns the first SIGINT or SIGTERM into a stop; blocked before any thread starts, so that only
@@ -121,13 +138,7 @@ int RunProcess(int argc,
   Result<std::unique_ptr<Node>> node = make_node(**bus, *config, options);
   if (!node) return Fail(options.name, node.error());
   if (Result<void> read = config->Finish(); !read) return Fail(options.name, read.error());
-  std::fprintf(stderr,
-               "%s %s: config %s (%s), %s\n",
-               options.name.c_str(),
-               VANTAGE_VERSION,
-               config_file.c_str(),
-               config->Hash().c_str(),
-               (*bus)->url().c_str());
+  PrintStart(options.name, config_file, *config, (*bus)->url());
   (*bus)->Run(
       stop.token(), [&node] { (*node)->Poll(); }, (*node)->poll_interval());
   return 0;

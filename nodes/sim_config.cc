@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -54,14 +55,18 @@ void ReadRange(Table& table,
   *to = numbers[1] * unit;
 }
 
-void ReadPlane(Table table, SimPlane* plane) {
-  std::vector<double> size = {plane->size.x(), plane->size.y()};
-  std::vector<double> center = {plane->center.x(), plane->center.y()};
-  table.Read("height_m", &plane->height, -kFarthest, kFarthest);
+/// Nothing when its table is absent.
+std::optional<SimPlane> ReadPlane(Table& sim, const std::string& key, SimPlane plane) {
+  Table table = sim.Sub(key);
+  if (!sim.Has(key)) return std::nullopt;
+  std::vector<double> size = {plane.size.x(), plane.size.y()};
+  std::vector<double> center = {plane.center.x(), plane.center.y()};
+  table.Read("height_m", &plane.height, -kFarthest, kFarthest);
   table.ReadNumbers("size_m", 2, 0.01, kFarthest, &size);
   table.ReadNumbers("center_m", 2, -kFarthest, kFarthest, &center);
-  plane->size = {size[0], size[1]};
-  plane->center = {center[0], center[1]};
+  plane.size = {size[0], size[1]};
+  plane.center = {center[0], center[1]};
+  return plane;
 }
 
 void ReadSensor(Table table, SensorModelParameters* sensor) {
@@ -114,10 +119,11 @@ void ReadObjects(Table& sim, std::vector<SimObject>* objects) {
   }
 }
 
-void ReadModelsFolder(ConfigReader& config, std::filesystem::path* folder) {
+void ReadModelsFolder(ConfigReader& config, bool required, std::filesystem::path* folder) {
   Table root = config.Root();
   const bool read_by_other = root.WasAsked("models");
   Table models = root.Sub("models");
+  if (required) models.Require("folder");
   models.ReadPath("folder", folder);
   if (!read_by_other) models.IgnoreAll();  // What estimators want of it.
 }
@@ -126,7 +132,6 @@ void ReadModelsFolder(ConfigReader& config, std::filesystem::path* folder) {
 
 Result<SimConfig> ReadSimConfig(ConfigReader& config) {
   SimConfig sim;
-  ReadModelsFolder(config, &sim.models_folder);
   Table root = config.Root();
   root.Require("sim");
   Table table = root.Sub("sim");
@@ -136,15 +141,11 @@ Result<SimConfig> ReadSimConfig(ConfigReader& config) {
   ReadName(table, "serial", &sim.serial);
   ReadName(table, "camera", &sim.camera_name);
   sim.sensor.device_id = DeviceIdFromSerial(sim.serial);
-  if (table.Has("table")) {
-    ReadPlane(table.Sub("table"), &sim.scene.table.emplace());
-    sim.arm.table_height = sim.scene.table->height;
-  }
-  if (table.Has("floor")) {
-    sim.scene.floor = SimPlane{.height = -0.75, .size = {6.0, 6.0}};
-    ReadPlane(table.Sub("floor"), &*sim.scene.floor);
-  }
+  sim.scene.table = ReadPlane(table, "table", {});
+  if (sim.scene.table) sim.arm.table_height = sim.scene.table->height;
+  sim.scene.floor = ReadPlane(table, "floor", {.height = -0.75, .size = {6.0, 6.0}});
   ReadObjects(table, &sim.scene.objects);
+  ReadModelsFolder(config, !sim.scene.objects.empty(), &sim.models_folder);
   ReadSensor(table.Sub("sensor"), &sim.sensor);
   ReadArm(table.Sub("arm"), &sim.arm);
   if (Result<void> sound = sim.sensor.Validate(); !sound) return sound.error();

@@ -21,7 +21,7 @@ struct SimConfig {
   SimScene scene;  ///< its poses are the truth that reports compare with
   SensorModelParameters sensor;
   SimArmParameters arm;
-  std::filesystem::path models_folder = "models";
+  std::filesystem::path models_folder;
 };
 
 /// Reads all of it but the meshes: objects have a model id and a pose. What is wrong shows at

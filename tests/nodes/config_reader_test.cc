@@ -125,6 +125,30 @@ TEST(ConfigReader, RequiredKeyMissing) {
   EXPECT_NE(FinishError(reader).find("models.folder: missing"), std::string::npos);
 }
 
+TEST(ConfigReader, EffectiveIsTheFilesValueOrTheDefault) {
+  ConfigReader reader = Parse("[a]\nk = 3\nuse = ['p']\n[[a.object]]\n[[a.object]]\nx = 2.5\n");
+  ConfigReader::Table a = reader.Root().Sub("a");
+  int k = 64;
+  double sigma = 4.0;
+  bool color = false;
+  std::string name = "XTION";
+  std::vector<std::string> use;
+  std::vector<double> target = {0.0, 0.5};
+  a.Read("k", &k, 0, 10);
+  a.Read("sigma", &sigma, 0.0, 10.0);
+  a.Read("color", &color);
+  a.Read("name", &name);
+  a.Read("use", &use);
+  a.ReadNumbers("target", 2, 0.0, 1.0, &target);
+  for (ConfigReader::Table& table : a.SubTables("object")) {
+    double x = 1.0;
+    table.Read("x", &x, 0.0, 10.0);
+  }
+  EXPECT_EQ(reader.Effective(),
+            "a.color = false\na.k = 3\na.name = 'XTION'\na.object[0].x = 1\n"
+            "a.object[1].x = 2.5\na.sigma = 4\na.target = [0, 0.5]\na.use = [ 'p' ]\n");
+}
+
 TEST(ConfigReader, BrokenTomlNamesLineAndColumn) {
   const Result<ConfigReader> reader = ConfigReader::Parse("a = \n", "broken.toml");
   ASSERT_FALSE(reader.ok());

@@ -101,6 +101,21 @@ TEST(Openni2Config, ErrorsNameTheKeyAndTheBound) {
   }
 }
 
+TEST(Openni2Config, ARecordingsPathStartsAtTheConfigsFolder) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / Format("openni2_config_test.%d", getpid());
+  std::filesystem::create_directories(folder);
+  const auto device_of = [&folder](const std::string& device) {
+    std::ofstream(folder / "x.toml") << "[camera.XTION]\ndevice = \"" << device << "\"\n";
+    Result<ConfigReader> reader = ConfigReader::Open(folder / "x.toml");
+    return ReadOpenni2Config(*reader, "openni2")->device.Text();
+  };
+  EXPECT_EQ(device_of("oni:../run.oni"), "oni:" + (folder.parent_path() / "run.oni").string());
+  EXPECT_EQ(device_of("oni:/a/run.oni"), "oni:/a/run.oni");
+  EXPECT_EQ(device_of("serial:run.oni"), "serial:run.oni");
+  std::filesystem::remove_all(folder);
+}
+
 TEST(CameraCalibration, IsReadWithItsDistortion) {
   const CalibrationFile file(
       std::string(kCalibration) +

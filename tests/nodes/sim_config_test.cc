@@ -91,6 +91,11 @@ TEST(SimConfig, ErrorsNameKeyValueAndBound) {
             std::string::npos);
 }
 
+TEST(SimConfig, ObjectsNeedAModelsFolder) {
+  EXPECT_EQ(ErrorOf("[[sim.object]]\nmodel = \"mug\"\n"),
+            "test.toml: models.folder: missing; it has no default");
+}
+
 TEST(SimConfig, AModelThatIsNotThereIsNamed) {
   const std::string error =
       ErrorOf("[models]\nfolder = \"/nowhere\"\n[[sim.object]]\nmodel = \"teapot\"\n");
