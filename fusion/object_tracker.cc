@@ -12,6 +12,9 @@ namespace vantage {
 namespace {
 
 constexpr size_t kNumRecentSets = 256;
+// The least w_v that counts: a fit so bad (6.4 sigma_vw) tells nothing, and the ratios of weights
+// much smaller than this are lost to underflow.
+constexpr double kLeastWeight = 1e-9;
 
 bool IsRigid(const Pose& pose) {
   const Eigen::Matrix3d R = pose.linear();
@@ -69,11 +72,15 @@ ObjectTracker::Update ObjectTracker::Add(const DetectionSet& set) {
   const bool known = std::find(state_.recent_sets.begin(), state_.recent_sets.end(), key) !=
                      state_.recent_sets.end();
   if (known || !IsRigid(set.T_world_camera)) return update;
+  update.viewpoint = FindViewpoint(state_.viewpoints, set.T_world_camera, parameters_.viewpoint);
+  if (update.viewpoint < 0 && state_.viewpoints.size() >= kMostViewpoints) {
+    update.num_beyond = 1;
+    return update;
+  }
   update.used = true;
   state_.recent_sets.push_back(key);
   if (state_.recent_sets.size() > kNumRecentSets) state_.recent_sets.pop_front();
 
-  update.viewpoint = FindViewpoint(state_.viewpoints, set.T_world_camera, parameters_.viewpoint);
   if (update.viewpoint < 0) {
     update.viewpoint = static_cast<int>(state_.viewpoints.size());
     state_.viewpoints.push_back({set.T_world_camera, 0});
@@ -95,7 +102,9 @@ ObjectTracker::Update ObjectTracker::Add(const DetectionSet& set) {
     observation.T_world_object = set.T_world_camera * detection.T_camera_object;
     observation.mse = detection.mse;
     observation.verification_score = detection.verification_score;
-    if (Observe(detection.model_id, observation)) update.changed = true;
+    const Observed observed = Observe(detection.model_id, observation);
+    if (observed == Observed::kChanged) update.changed = true;
+    if (observed == Observed::kBeyond) ++update.num_beyond;
   }
   return update;
 }
@@ -104,14 +113,15 @@ bool ObjectTracker::IsValid(const Detection& detection) const {
   return models_.contains(detection.model_id) && IsRigid(detection.T_camera_object) &&
          std::isfinite(detection.mse) && detection.mse >= 0.0 &&
          std::isfinite(detection.verification_score) &&
-         VerificationWeight(detection.mse, parameters_.orientation.sigma_vw) > 0.0;
+         VerificationWeight(detection.mse, parameters_.orientation.sigma_vw) > kLeastWeight;
 }
 
-// Returns whether the observation is now part of an instance.
-bool ObjectTracker::Observe(const std::string& model_id, const Observation& observation) {
+ObjectTracker::Observed ObjectTracker::Observe(const std::string& model_id,
+                                               const Observation& observation) {
   const Eigen::Vector3d center = observation.T_world_object * ModelOf(model_id).center;
   int found = FindInstance(model_id, center);
   if (found < 0) {
+    if (state_.instances.size() >= kMostInstances) return Observed::kBeyond;
     found = static_cast<int>(state_.instances.size());
     state_.instances.push_back({state_.next_id++, model_id, {}});
     fused_.push_back({{}, OrientationFilter(*grid_, parameters_.orientation), 0.0});
@@ -124,13 +134,13 @@ bool ObjectTracker::Observe(const std::string& model_id, const Observation& obse
       observation.viewpoint,
       [](const Observation& known, int viewpoint) { return known.viewpoint < viewpoint; });
   if (place != observations.end() && place->viewpoint == observation.viewpoint) {
-    if (observation.verification_score <= place->verification_score) return false;
+    if (observation.verification_score <= place->verification_score) return Observed::kSame;
     *place = observation;
   } else {
     observations.insert(place, observation);
   }
   Fuse(instance);
-  return true;
+  return Observed::kChanged;
 }
 
 int ObjectTracker::FindInstance(const std::string& model_id, const Eigen::Vector3d& center) const {
@@ -223,6 +233,16 @@ Result<void> ObjectTracker::Restore(TrackerState state) {
       return Error{ErrorCode::kNotFound,
                    Format("the saved state has an object of model \"%s\", which is not in use",
                           instance.model_id.c_str())};
+    }
+    for (const Observation& observation : instance.observations) {
+      const double sigma_vw = parameters_.orientation.sigma_vw;
+      if (VerificationWeight(observation.mse, sigma_vw) > kLeastWeight) continue;
+      return Error{ErrorCode::kInvalidArgument,
+                   Format("the saved state has a detection of \"%s\" with a mean squared error of "
+                          "%g m^2, which counts nothing with the sigma_vw of %g m^2 in use",
+                          instance.model_id.c_str(),
+                          observation.mse,
+                          sigma_vw)};
     }
   }
   state_ = std::move(state);

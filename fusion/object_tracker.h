@@ -64,11 +64,17 @@ class ObjectTracker {
 
   /// What became of one set of detections.
   struct Update {
-    bool used = false;     ///< False: sent before, or its camera pose is invalid.
+    bool used = false;     ///< False: sent before, invalid camera pose, one viewpoint too many.
     int viewpoint = -1;    ///< that it is from
     bool changed = false;  ///< An observation or a viewpoint is new.
-    int num_invalid = 0;   ///< detections dropped: not finite, no rotation, unknown model
+    int num_invalid = 0;   ///< detections dropped: not finite, no rotation, unknown model, misfit
+    int num_beyond = 0;    ///< dropped: a viewpoint or objects beyond the most that are kept
   };
+
+  /// What is kept at most, so that no flood of messages fills the memory: far more than one
+  /// scene has.
+  static constexpr size_t kMostViewpoints = 10'000;
+  static constexpr size_t kMostInstances = 1'000;
 
   /// Uses one set, also an empty one. Of the hypotheses of one cluster the one with the best
   /// verification score is used; of several frames from one viewpoint the best one stands for it.
@@ -79,7 +85,8 @@ class ObjectTracker {
   [[nodiscard]] std::vector<ObjectEstimate> Estimates() const;
 
   [[nodiscard]] const TrackerState& state() const { return state_; }
-  /// Goes on from a state. Errors: it names a model that is not there.
+  /// Goes on from a state. Errors: it names a model that is not there, or has a detection that
+  /// fits too badly to count with the parameters in use.
   Result<void> Restore(TrackerState state);
 
  private:
@@ -90,7 +97,8 @@ class ObjectTracker {
   };
 
   [[nodiscard]] bool IsValid(const Detection& detection) const;
-  bool Observe(const std::string& model_id, const Observation& observation);
+  enum class Observed { kChanged, kSame, kBeyond };
+  Observed Observe(const std::string& model_id, const Observation& observation);
   [[nodiscard]] int FindInstance(const std::string& model_id, const Eigen::Vector3d& center) const;
   void Fuse(size_t instance);
   [[nodiscard]] ObjectEstimate Estimate(size_t instance) const;

@@ -228,6 +228,60 @@ TEST(ObjectTracker, InvalidInputIsDroppedAndCounted) {
   EXPECT_FALSE(tracker.Add(lost).used);
 }
 
+TEST(ObjectTracker, HoweverBadAFitTheEstimateIsFinite) {
+  const double sigma = OrientationFilterParameters().sigma_vw;
+  for (double misfit = 0.0; misfit < 45.0; misfit += 0.5) {
+    ObjectTracker tracker = MakeTracker();
+    Estimator estimator;
+    DetectionSet set = estimator.Set(Camera(0.0));
+    Estimator::Detect(&set, "mug", At(0.0, 0.0, 0.0), 0.9, misfit * sigma);
+    const ObjectTracker::Update update = tracker.Add(set);
+    const std::vector<ObjectEstimate> estimates = tracker.Estimates();
+    EXPECT_EQ(estimates.size() + static_cast<size_t>(update.num_invalid), 1U) << misfit;
+    EXPECT_EQ(update.num_invalid, misfit < 6.4 ? 0 : 1) << misfit;
+    for (const ObjectEstimate& estimate : estimates) {
+      EXPECT_TRUE(estimate.center_covariance.allFinite()) << misfit;
+      EXPECT_TRUE(estimate.T_world_object.matrix().allFinite()) << misfit;
+    }
+  }
+}
+
+TEST(ObjectTracker, ViewpointsBeyondTheMostAreDroppedAndCounted) {
+  ObjectTracker tracker = MakeTracker();
+  Estimator estimator;
+  Pose camera = Camera(0.0);
+  for (size_t i = 0; i < ObjectTracker::kMostViewpoints; ++i) {
+    camera.translation().x() += 1.0;
+    ASSERT_TRUE(tracker.Add(estimator.Set(camera)).used);
+  }
+  camera.translation().x() += 1.0;
+  const ObjectTracker::Update beyond = tracker.Add(estimator.Set(camera));
+  EXPECT_FALSE(beyond.used);
+  EXPECT_EQ(beyond.num_beyond, 1);
+  EXPECT_EQ(tracker.state().viewpoints.size(), ObjectTracker::kMostViewpoints);
+  // What is known goes on.
+  camera.translation().x() -= 1.0;
+  EXPECT_TRUE(tracker.Add(estimator.Set(camera)).used);
+}
+
+TEST(ObjectTracker, ObjectsBeyondTheMostAreDroppedAndCounted) {
+  ObjectTracker tracker = MakeTracker();
+  Estimator estimator;
+  DetectionSet set = estimator.Set(Camera(0.0));
+  for (size_t i = 0; i < ObjectTracker::kMostInstances + 3; ++i) {
+    Estimator::Detect(&set, "mug", At(static_cast<double>(i), 0.0, 0.0));
+  }
+  const ObjectTracker::Update update = tracker.Add(set);
+  EXPECT_TRUE(update.used);
+  EXPECT_EQ(update.num_beyond, 3);
+  EXPECT_EQ(tracker.state().instances.size(), ObjectTracker::kMostInstances);
+  // Those that are known are still observed.
+  set = estimator.Set(Camera(90.0));
+  Estimator::Detect(&set, "mug", At(7.0, 0.0, 0.0));
+  EXPECT_TRUE(tracker.Add(set).changed);
+  EXPECT_EQ(tracker.state().instances[7].observations.size(), 2U);
+}
+
 TEST(ObjectTracker, ParametersAreChecked) {
   EXPECT_TRUE(ObjectTrackerParameters().Validate().ok());
   EXPECT_FALSE((ObjectTrackerParameters{.gate = 0.0}).Validate().ok());
@@ -304,6 +358,17 @@ TEST(TrackerState, AnUnknownModelIsRefused) {
   const Result<void> restored = other.Restore(tracker.state());
   ASSERT_FALSE(restored.ok());
   EXPECT_NE(restored.error().message.find("mug"), std::string::npos);
+}
+
+TEST(TrackerState, ADetectionThatCountsNothingNowIsRefused) {
+  Estimator estimator;
+  const ObjectTracker tracker = MakeUsedTracker(&estimator, 2);
+  ObjectTrackerParameters parameters;
+  parameters.orientation.sigma_vw = 1e-8;  // The detections' MSE is 1e-6.
+  const Result<void> restored =
+      ObjectTracker(Grid(), parameters, Models()).Restore(tracker.state());
+  ASSERT_FALSE(restored.ok());
+  EXPECT_NE(restored.error().message.find("counts nothing"), std::string::npos);
 }
 
 }  // namespace
