@@ -47,8 +47,6 @@ class OrientationFilter {
   [[nodiscard]] const OrientationHistogram& histogram() const { return histogram_; }
   /// Modes, best first; empty while no view has weight.
   [[nodiscard]] const std::vector<OrientationPeak>& peaks() const { return peaks_; }
-  /// q_f after each view; identity while no view had weight.
-  [[nodiscard]] const std::vector<Eigen::Quaterniond>& q_f() const { return q_f_; }
   /// Angle between the last two q_f, rad; -1 before two views.
   [[nodiscard]] double last_change() const;
   /// The termination condition of paper 5.2.
@@ -60,7 +58,7 @@ class OrientationFilter {
   OrientationHistogram histogram_;
   std::vector<OrientationView> views_;
   std::vector<OrientationPeak> peaks_;
-  std::vector<Eigen::Quaterniond> q_f_;
+  std::vector<Eigen::Quaterniond> q_f_;  // After each view; identity while no view had weight.
 };
 
 }  // namespace vantage
