@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bus/message_time.h"
 #include "common/format.h"
 
 namespace vantage {
@@ -72,6 +73,9 @@ Result<Detection> DetectionFromMessage(const detection_t& message) {
 }  // namespace
 
 Result<Pose> PoseFromMessage(const rigid_transform_t& message) {
+  if (Result<void> timed = CheckUtime("rigid_transform_t.utime", message.utime); !timed) {
+    return timed.error();
+  }
   return PoseFromWire(message.trans, message.quat);
 }
 
@@ -83,6 +87,9 @@ rigid_transform_t PoseToMessage(const Pose& T_world_camera, int64_t utime) {
 }
 
 Result<CameraModel> CameraFromMessage(const camera_info_t& message) {
+  if (Result<void> timed = CheckUtime("camera_info_t.utime", message.utime); !timed) {
+    return timed.error();
+  }
   const CameraModel camera{.width = message.width,
                            .height = message.height,
                            .fx = message.fx,
@@ -131,6 +138,9 @@ camera_info_t CameraToMessage(const CameraModel& camera,
 
 Result<DetectionSet> DetectionsFromMessage(const detections_t& message,
                                            const std::string& channel) {
+  if (Result<void> timed = CheckUtime("detections_t.utime", message.utime); !timed) {
+    return timed.error();
+  }
   if (!IsName(message.camera)) return BadName("camera", message.camera);
   if (!IsName(message.estimator)) return BadName("estimator", message.estimator);
   Result<Pose> T_world_camera = PoseFromWire(message.camera_trans, message.camera_quat);

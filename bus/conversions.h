@@ -12,13 +12,14 @@
 
 namespace vantage {
 
-/// T_world_camera of a CAMERA_<NAME>_TO_WORLD. Errors as PoseFromWire.
+/// T_world_camera of a CAMERA_<NAME>_TO_WORLD. Errors as CheckUtime and PoseFromWire.
 Result<Pose> PoseFromMessage(const rigid_transform_t& message);
 /// @param utime us since the epoch at which the pose held.
 rigid_transform_t PoseToMessage(const Pose& T_world_camera, int64_t utime);
 
-/// Errors: CameraModel::Validate(), a depth unit that is not positive, or a distortion that the
-/// pinhole model can't follow (its model is not "none" and some coefficient is not 0).
+/// Errors: as CheckUtime and CameraModel::Validate(), a depth unit that is not positive, or a
+/// distortion that the pinhole model can't follow (its model is not "none" and some coefficient is
+/// not 0).
 Result<CameraModel> CameraFromMessage(const camera_info_t& message);
 /// What says who the camera is, beside its geometry.
 struct CameraIdentity {
@@ -34,9 +35,9 @@ camera_info_t CameraToMessage(const CameraModel& camera,
                               int64_t utime,
                               int64_t seq);
 
-/// Errors: names with other characters than letters, digits, '_', '-', '.' or longer than 64, no
-/// model id, more than 10,000 detections, poses as PoseFromWire, negative counts or indices, values
-/// that are not finite or out of range. `channel` goes into the result.
+/// Errors: as CheckUtime, names with other characters than letters, digits, '_', '-', '.' or longer
+/// than 64, no model id, more than 10,000 detections, poses as PoseFromWire, negative counts or
+/// indices, values that are not finite or out of range. `channel` goes into the result.
 Result<DetectionSet> DetectionsFromMessage(const detections_t& message, const std::string& channel);
 detections_t DetectionsToMessage(const DetectionSet& set);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "bus/message_time.h"
 #include "common/check.h"
 #include "common/format.h"
 
@@ -100,6 +101,9 @@ Result<DepthImage> DepthFromImage(const image_t& image, bool zipped) {
 }  // namespace
 
 Result<DepthFrame> DepthFrameFromMessage(const images_t& message) {
+  if (Result<void> timed = CheckUtime("images_t.utime", message.utime); !timed) {
+    return timed.error();
+  }
   const size_t num_images = std::min(message.images.size(), message.image_types.size());
   for (size_t i = 0; i < num_images; ++i) {
     const bool zipped = message.image_types[i] == images_t::DEPTH_MM_ZIPPED;

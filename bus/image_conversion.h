@@ -21,8 +21,9 @@ struct DepthFrame {
 inline constexpr int kMaxImageSide = 4096;  ///< px
 
 /// The first image of type DEPTH_MM or DEPTH_MM_ZIPPED.
-/// Errors: none there; a side outside 1..kMaxImageSide; a row stride or number of bytes that does
-/// not belong to the size; a compressed stream that does not hold exactly the image.
+/// Errors: as CheckUtime; none there; a side outside 1..kMaxImageSide; a row stride or number of
+/// bytes that does not belong to the size; a compressed stream that does not hold exactly the
+/// image.
 Result<DepthFrame> DepthFrameFromMessage(const images_t& message);
 
 enum class DepthCompression {

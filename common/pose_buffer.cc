@@ -2,9 +2,12 @@
 
 #include <algorithm>
 
+#include "common/time_range.h"
+
 namespace vantage {
 
 void PoseBuffer::Add(int64_t utime, const Pose& T_world_camera) {
+  if (!IsPlausibleUtime(utime)) return;
   if (!entries_.empty() && utime < entries_.back().utime - parameters_.horizon_us) entries_.clear();
   Entry entry{utime, T_world_camera.translation(), Eigen::Quaterniond(T_world_camera.linear())};
   const auto place =

@@ -23,7 +23,7 @@ class PoseBuffer {
 
   /// Poses may come out of order within the horizon; one with a utime already held replaces it.
   /// A utime more than the horizon before the newest starts anew: the clock was set, or a log
-  /// began again.
+  /// began again. One that is not plausible (time_range.h) is left out.
   void Add(int64_t utime, const Pose& T_world_camera);
 
   /// Pose at `utime`, interpolated; nothing outside what is known or across a gap.

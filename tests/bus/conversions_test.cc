@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr int64_t kMinTime = std::numeric_limits<int64_t>::min();
+constexpr int64_t kMaxTime = std::numeric_limits<int64_t>::max();
 
 Pose RandomPose(Rng& rng) {
   Pose pose = Pose::Identity();
@@ -52,6 +54,11 @@ TEST(PoseConversion, RefusesHostileValues) {
   }
   rigid_transform_t zero{};
   EXPECT_FALSE(PoseFromMessage(zero).ok());
+  for (const int64_t bad : {kMinTime, kMaxTime, int64_t{-1}}) {
+    const Result<Pose> pose = PoseFromMessage(PoseToMessage(Pose::Identity(), bad));
+    ASSERT_FALSE(pose.ok()) << bad;
+    EXPECT_NE(pose.error().message.find(std::to_string(bad)), std::string::npos);
+  }
 }
 
 TEST(CameraConversion, RoundTrips) {
@@ -73,6 +80,8 @@ TEST(CameraConversion, RoundTrips) {
 
 TEST(CameraConversion, RefusesHostileValues) {
   const std::vector<std::function<void(camera_info_t*)>> attacks = {
+      [](camera_info_t* m) { m->utime = kMinTime; },
+      [](camera_info_t* m) { m->utime = kMaxTime; },
       [](camera_info_t* m) { m->width = 0; },
       [](camera_info_t* m) { m->height = INT32_MAX; },
       [](camera_info_t* m) { m->fx = kNan; },
@@ -155,6 +164,8 @@ TEST(DetectionConversion, EmptyIsNormal) {
 
 TEST(DetectionConversion, RefusesHostileValues) {
   const std::vector<std::function<void(detections_t*)>> attacks = {
+      [](detections_t* m) { m->utime = kMinTime; },
+      [](detections_t* m) { m->utime = kMaxTime; },
       [](detections_t* m) { m->camera = "../XTION"; },
       [](detections_t* m) { m->estimator = std::string(65, 'a'); },
       [](detections_t* m) { m->camera_quat[2] = kNan; },

@@ -61,6 +61,16 @@ TEST_P(DepthConversion, RefusesWhatDoesNotBelongToTheSize) {
   }
 }
 
+TEST_P(DepthConversion, RefusesTimesThatAreNone) {
+  for (const int64_t bad : {INT64_MIN, INT64_MAX, int64_t{-1}}) {
+    images_t message = SomeMessage(GetParam());
+    message.utime = bad;
+    const Result<DepthFrame> frame = DepthFrameFromMessage(message);
+    ASSERT_FALSE(frame.ok()) << bad;
+    EXPECT_NE(frame.error().message.find("images_t.utime"), std::string::npos);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Both,
                          DepthConversion,
                          testing::Values(DepthCompression::kNone, DepthCompression::kZlib));

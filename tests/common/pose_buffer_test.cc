@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -97,6 +98,24 @@ TEST(PoseBuffer, StartsAnewWhenTheClockIsSetBack) {
   buffer.Add(kStart - 3'600'000 * kMs, MakePose(5.0, 0.0));
   EXPECT_EQ(buffer.Newest(), kStart - 3'600'000 * kMs);
   EXPECT_FALSE(buffer.At(kStart).has_value());
+}
+
+TEST(PoseBuffer, TimesAtTheEndsOfTheirTypeAreLeftOut) {
+  constexpr int64_t kMin = std::numeric_limits<int64_t>::min();
+  constexpr int64_t kMax = std::numeric_limits<int64_t>::max();
+  PoseBuffer buffer;
+  for (const int64_t utime : {kMin, kMax, int64_t{-1}}) {
+    buffer.Add(utime, MakePose(1.0, 0.0));
+    EXPECT_FALSE(buffer.Newest().has_value()) << utime;
+  }
+  buffer = Moving(10);
+  for (const int64_t utime : {kMin, kMax}) {
+    buffer.Add(utime, MakePose(1.0, 0.0));
+    EXPECT_FALSE(buffer.At(utime).has_value());
+    EXPECT_FALSE(buffer.RestsAt(utime, 100 * kMs));
+  }
+  EXPECT_EQ(buffer.Newest(), kStart + 100 * kMs);
+  EXPECT_TRUE(buffer.At(kStart + 50 * kMs).has_value());
 }
 
 TEST(PoseBuffer, RestsOnlyWithinItsLimits) {
