@@ -92,10 +92,12 @@ Rgb Shade(Rgb color, const Eigen::Vector3d& normal, const Lamp& lamp, double lit
           Encoded(Linear(color.b) * light)};
 }
 
-// Draws lines in short pieces, each tested against the depth of what is there.
+// Draws lines in short pieces, each tested against the depth of what is there. Hidden ones mix with
+// `surfaces`, the picture without any line: pieces overlap, and would add up to a solid line.
 void DrawShadedLine(const ShadedLine& line,
                     const Pose& T_camera_world,
                     const DepthRasterizer& depth,
+                    const RgbImage& surfaces,
                     RgbImage& image) {
   Eigen::Vector3d from = T_camera_world * line.from;
   Eigen::Vector3d to = T_camera_world * line.to;
@@ -118,7 +120,7 @@ void DrawShadedLine(const ShadedLine& line,
         static_cast<size_t>(v) * static_cast<size_t>(camera.width) + static_cast<size_t>(u);
     const bool hidden = depth.depth()[at] < static_cast<float>(middle.z()) - 0.002F;
     const Rgb color =
-        hidden ? Mix(PixelAt(image, static_cast<int>(u), static_cast<int>(v)), line.color, 0.25)
+        hidden ? Mix(PixelAt(surfaces, static_cast<int>(u), static_cast<int>(v)), line.color, 0.25)
                : line.color;
     DrawLine(image, camera.Project(a), camera.Project(b), line.width_px * kSupersampling, color);
   }
@@ -166,8 +168,10 @@ RgbImage RenderShaded(const ShadedScene& scene,
       SetPixel(image, u, v, Shade(item.color, normal, *lamp, LitShare(*lamp, p_world)));
     }
   }
-  for (const ShadedLine& line : scene.lines)
-    DrawShadedLine(line, T_camera_world, rasterizer, image);
+  const RgbImage surfaces = image;
+  for (const ShadedLine& line : scene.lines) {
+    DrawShadedLine(line, T_camera_world, rasterizer, surfaces, image);
+  }
   return Downsample(image, kSupersampling);
 }
 
