@@ -185,10 +185,12 @@ Result<std::string> ReportPage(const std::string& title,
     const Result<std::string> figure = ErrorFigure(metrics, ObjectColors(run, metrics));
     if (!figure) return figure.error();
     if (!figure->empty()) {
-      html += "<h2>Error by view</h2><figure class=\"card\"><img class=\"wide\" alt=\"error by view\" src=\"" +
-              DataUri("image/svg+xml", *figure) +
-              "\"><figcaption>Circles: what a view says by itself. Lines: all views so far, fused."
-              "</figcaption></figure>";
+      html +=
+          "<h2>Error by view</h2><figure class=\"card\"><img class=\"wide\" alt=\"error by view\" "
+          "src=\"" +
+          DataUri("image/svg+xml", *figure) +
+          "\"><figcaption>Circles: what a view says by itself. Lines: all views so far, fused."
+          "</figcaption></figure>";
     }
   }
   const Result<std::string> histograms = Histograms(run, metrics);
