@@ -6,9 +6,11 @@
 
 namespace vantage {
 
-void PoseBuffer::Add(int64_t utime, const Pose& T_world_camera) {
-  if (!IsPlausibleUtime(utime)) return;
-  if (!entries_.empty() && utime < entries_.back().utime - parameters_.horizon_us) entries_.clear();
+bool PoseBuffer::Add(int64_t utime, const Pose& T_world_camera) {
+  if (!IsPlausibleUtime(utime)) return false;
+  const bool starts_anew =
+      !entries_.empty() && utime < entries_.back().utime - parameters_.largest_gap_us;
+  if (starts_anew) entries_.clear();
   Entry entry{utime, T_world_camera.translation(), Eigen::Quaterniond(T_world_camera.linear())};
   const auto place =
       std::lower_bound(entries_.begin(), entries_.end(), utime, [](const Entry& a, int64_t b) {
@@ -22,6 +24,7 @@ void PoseBuffer::Add(int64_t utime, const Pose& T_world_camera) {
   while (entries_.front().utime < entries_.back().utime - parameters_.horizon_us) {
     entries_.pop_front();
   }
+  return starts_anew;
 }
 
 std::optional<Pose> PoseBuffer::At(int64_t utime) const {

@@ -12,8 +12,10 @@ namespace vantage {
 class PoseBuffer {
  public:
   struct Parameters {
-    int64_t horizon_us = 10'000'000;       ///< us; older poses are forgotten
-    int64_t largest_gap_us = 200'000;      ///< us; no interpolation across a longer silence
+    int64_t horizon_us = 10'000'000;  ///< us; older poses are forgotten
+    /// us; no interpolation across a longer silence, and no pose comes later than this after its
+    /// successors
+    int64_t largest_gap_us = 200'000;
     double rest_translation = 0.0005;      ///< m; at rest if it moved less than this
     double rest_rotation = 0.1 * kDegree;  ///< rad; and turned less than this
   };
@@ -21,10 +23,12 @@ class PoseBuffer {
   PoseBuffer() = default;
   explicit PoseBuffer(const Parameters& parameters) : parameters_(parameters) {}
 
-  /// Poses may come out of order within the horizon; one with a utime already held replaces it.
-  /// A utime more than the horizon before the newest starts anew: the clock was set, or a log
-  /// began again. One that is not plausible (time_range.h) is left out.
-  void Add(int64_t utime, const Pose& T_world_camera);
+  /// Poses may come out of order by up to the largest gap; one with a utime already held replaces
+  /// it. A utime farther before the newest starts anew: the clock was set, or a log began again,
+  /// and the poses of both passes are not to be mixed. One that is not plausible (time_range.h) is
+  /// left out.
+  /// @return true when it started anew: what was known of earlier times is void.
+  bool Add(int64_t utime, const Pose& T_world_camera);
 
   /// Pose at `utime`, interpolated; nothing outside what is known or across a gap.
   [[nodiscard]] std::optional<Pose> At(int64_t utime) const;

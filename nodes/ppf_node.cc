@@ -10,6 +10,8 @@
 namespace vantage {
 namespace {
 
+constexpr int64_t kLargestDisorder = 200'000;  // us, by which an image may come after later ones
+
 // For the process status alone: never part of what is published.
 double SteadySeconds() {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
@@ -81,8 +83,15 @@ void PpfNode::OnPose(const rigid_transform_t& message) {
     Report(channel_ + "_TO_WORLD: " + pose.error().message);
     return;
   }
-  poses_.Add(message.utime, *pose);
+  if (poses_.Add(message.utime, *pose)) ForgetPass();
   ProcessPending();
+}
+
+// The clock was set back, or a log began again: images of the pass before would be taken for ones
+// at the times of this pass. What tells first, a pose or an image, makes both forget.
+void PpfNode::ForgetPass() {
+  pending_.clear();
+  last_image_utime_.reset();
 }
 
 void PpfNode::OnImages(const images_t& message) {
@@ -91,6 +100,11 @@ void PpfNode::OnImages(const images_t& message) {
     Report(channel_ + ": " + frame.error().message);
     return;
   }
+  if (last_image_utime_ && frame->utime < *last_image_utime_ - kLargestDisorder) {
+    ForgetPass();
+    poses_ = PoseBuffer();
+  }
+  last_image_utime_ = frame->utime;
   pending_.push_back(std::move(frame).value());
   if (pending_.size() > kMaxPending) {
     pending_.pop_front();

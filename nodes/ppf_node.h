@@ -39,6 +39,7 @@ class PpfNode : public Node {
   void OnImages(const images_t& message);
   void OnInfo(const camera_info_t& message);
   void OnPose(const rigid_transform_t& message);
+  void ForgetPass();
   void ProcessPending();
   void Process(const DepthFrame& frame, const Pose& T_world_camera);
   void Report(const std::string& problem);
@@ -53,6 +54,7 @@ class PpfNode : public Node {
   std::optional<CameraModel> camera_;
   PoseBuffer poses_;
   std::deque<DepthFrame> pending_;
+  std::optional<int64_t> last_image_utime_;  // In this pass over time.
   int64_t seq_ = 0;
   std::string state_ = "ok";
 };

@@ -171,6 +171,34 @@ TEST_F(PpfNodeTest, LeavesOutImagesTakenInMotionOrBesideThePoses) {
   EXPECT_EQ(sets[0].image_seq, 30);
 }
 
+// The clock is set back by 2 s while the camera is at another place: no image gets a pose, and no
+// pose an image, of the other pass. Whether a pose or an image tells first makes no difference.
+TEST_F(PpfNodeTest, NeverMixesTwoPassesOverTheSameTimes) {
+  for (const bool image_first : {false, true}) {
+    SCOPED_TRACE(image_first);
+    if (image_first) SetUp();
+    sets.clear();
+    WriteInfo(kStart);
+    for (int64_t t = 0; t <= 3'000'000; t += 50'000) {
+      WritePose(kStart + t);
+      if (t == 2'500'000) WriteImage(kStart + t, 1);
+      if (t == 2'950'000) WriteImage(kStart + t, 2);  // Waits for poses that never come.
+    }
+    const int64_t step = 1'200'000;
+    if (image_first) WriteImage(kStart + step, 3);
+    for (int64_t t = step; t <= 3'500'000; t += 50'000) {
+      WritePose(kStart + t, 0.01);
+      if (t == 2'500'000) WriteImage(kStart + t, 4);
+    }
+    Run();
+    ASSERT_EQ(sets.size(), 2U);
+    EXPECT_EQ(sets[0].image_seq, 1);
+    EXPECT_NEAR(sets[0].camera_trans[0], T_world_camera.translation().x(), 1e-9);
+    EXPECT_EQ(sets[1].image_seq, 4);
+    EXPECT_NEAR(sets[1].camera_trans[0], T_world_camera.translation().x() + 0.01, 1e-9);
+  }
+}
+
 TEST_F(PpfNodeTest, WaitsForTheCalibration) {
   for (int64_t t = 0; t <= 1'000'000; t += 50'000) {
     WritePose(kStart + t);
