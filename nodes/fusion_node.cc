@@ -67,8 +67,8 @@ class FusionNode : public Node {
     bus_.RecordStage(
         "fuse", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 
-    const bool decided =
-        views_.OnSet(set->utime, update.viewpoint, tracker_.state().viewpoints, objects);
+    const bool decided = views_.OnSet(
+        set->utime, set->T_world_camera, update.viewpoint, tracker_.state().viewpoints, objects);
     // Saved before it is told: what others have heard is never forgotten.
     if (update.changed || decided) SaveState();
     PublishObjects(objects);

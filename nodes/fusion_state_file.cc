@@ -15,7 +15,7 @@
 namespace vantage {
 namespace {
 
-constexpr const char* kMagic = "vantage-fusion-state 1";
+constexpr const char* kMagic = "vantage-fusion-state 2";
 constexpr std::uintmax_t kLargestFile = 64U << 20U;  // bytes
 
 // FNV-1a, 64 bits.

@@ -51,24 +51,32 @@ ViewSequence::ViewSequence(const ViewSequenceParameters& parameters, ViewCriteri
 }
 
 bool ViewSequence::OnSet(int64_t utime,
+                         const Pose& T_world_camera,
                          int viewpoint,
                          const std::vector<Viewpoint>& viewpoints,
                          std::span<const ObjectEstimate> objects) {
   const Viewpoint& current = viewpoints[static_cast<size_t>(viewpoint)];
-  bool is_due = current.num_sets == parameters_.frames_per_view;
-  // A robot that is not exact may end where it was before: that view is done then, too.
-  if (arrival_utime_ >= 0 && utime >= arrival_utime_) {
-    ++num_sets_since_arrival_;
-    is_due = is_due || (num_sets_since_arrival_ >= parameters_.frames_per_view &&
-                        current.num_sets >= parameters_.frames_per_view);
-  }
+  // A robot that is not exact may end where it was before: the selected view is done then, too.
+  if (IsAtSelected(utime, T_world_camera)) ++num_sets_at_selected_;
+  const bool is_selected_done = num_sets_at_selected_ >= parameters_.frames_per_view &&
+                                current.num_sets >= parameters_.frames_per_view;
+  const bool is_due = current.num_sets == parameters_.frames_per_view || is_selected_done;
   if (!is_due || state_.finished) return false;
   state_.T_world_camera = current.T_world_camera;
-  if (arrival_utime_ >= 0 && state_.selected >= 0) {
+  if (state_.selected >= 0 && (is_selected_done || arrival_utime_ >= 0)) {
     state_.status[static_cast<size_t>(state_.selected)].visited = true;
   }
-  Decide(viewpoints, objects);
+  Decide(
+      state_.decision < 0 ? std::max(utime, int64_t{0}) : state_.decision + 1, viewpoints, objects);
   return true;
+}
+
+// As the robot says, or where it does not, when no other candidate is nearer.
+bool ViewSequence::IsAtSelected(int64_t utime, const Pose& T_world_camera) {
+  if (state_.selected < 0) return false;
+  if (arrival_utime_ >= 0) return utime >= arrival_utime_;
+  return NearestCandidate(candidates_, T_world_camera, parameters_.candidates.target) ==
+         state_.selected;
 }
 
 bool ViewSequence::OnRefused(int64_t decision,
@@ -78,14 +86,14 @@ bool ViewSequence::OnRefused(int64_t decision,
   if (decision != this->decision() || state_.selected < 0) return false;
   state_.status[static_cast<size_t>(state_.selected)].refusal =
       reason.empty() ? "refused by the robot" : reason;
-  Decide(viewpoints, objects);
+  Decide(state_.decision + 1, viewpoints, objects);
   return true;
 }
 
 void ViewSequence::OnArrived(int64_t decision, int64_t utime) {
   if (decision != this->decision() || state_.selected < 0 || arrival_utime_ >= 0) return;
   arrival_utime_ = utime;
-  num_sets_since_arrival_ = 0;
+  num_sets_at_selected_ = 0;
 }
 
 // The candidate nearest to each viewpoint, and all that would be the same viewpoint.
@@ -112,7 +120,8 @@ NextView ViewSequence::Select(const std::vector<Viewpoint>& viewpoints,
                         state_.T_world_camera);
 }
 
-void ViewSequence::Decide(const std::vector<Viewpoint>& viewpoints,
+void ViewSequence::Decide(int64_t number,
+                          const std::vector<Viewpoint>& viewpoints,
                           std::span<const ObjectEstimate> objects) {
   MarkVisited(viewpoints);
   next_view_ = Select(viewpoints, objects);
@@ -123,10 +132,11 @@ void ViewSequence::Decide(const std::vector<Viewpoint>& viewpoints,
     next_view_.selected = -1;
     next_view_.reason = done;
   }
-  ++state_.num_decisions;
+  state_.decision = number;
   state_.selected = next_view_.selected;
   state_.reason = next_view_.reason;
   arrival_utime_ = -1;
+  num_sets_at_selected_ = 0;
 }
 
 Result<void> ViewSequence::Restore(const ViewSequenceState& state,
@@ -140,7 +150,8 @@ Result<void> ViewSequence::Restore(const ViewSequenceState& state,
   }
   state_ = state;
   arrival_utime_ = -1;
-  if (state_.num_decisions == 0) return {};
+  num_sets_at_selected_ = 0;
+  if (state_.decision < 0) return {};
   next_view_ = Select(viewpoints, objects);
   next_view_.selected = state_.selected;
   next_view_.reason = state_.reason;
@@ -148,8 +159,8 @@ Result<void> ViewSequence::Restore(const ViewSequenceState& state,
 }
 
 std::string FormatViewSequenceState(const ViewSequenceState& state) {
-  std::string text = Format("decisions %lld %d %d ",
-                            static_cast<long long>(state.num_decisions),
+  std::string text = Format("decision %lld %d %d ",
+                            static_cast<long long>(state.decision),
                             state.finished ? 1 : 0,
                             state.selected);
   text += FormatName(state.reason) + FormatPose(state.T_world_camera) + "\n";
@@ -162,8 +173,9 @@ std::string FormatViewSequenceState(const ViewSequenceState& state) {
 
 ViewSequenceState ReadViewSequenceState(StateReader& reader) {
   ViewSequenceState state;
-  reader.Keyword("decisions");
-  state.num_decisions = reader.Number<int64_t>(0, INT64_MAX - 1);
+  reader.Keyword("decision");
+  // Far from the end of the range, so that counting on can't overflow.
+  state.decision = reader.Number<int64_t>(-1, INT64_MAX / 2);
   state.finished = reader.Number<int>(0, 1) == 1;
   state.selected = reader.Number<int>(-1, INT32_MAX);
   state.reason = reader.Name();

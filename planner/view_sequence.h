@@ -24,7 +24,7 @@ struct ViewSequenceParameters {
 
 /// What a sequence remembers.
 struct ViewSequenceState {
-  int64_t num_decisions = 0;
+  int64_t decision = -1;  ///< number of the last decision; -1 before the first
   bool finished = false;
   int selected = -1;
   std::string reason;
@@ -39,9 +39,12 @@ class ViewSequence {
   ViewSequence(const ViewSequenceParameters& parameters, ViewCriterion criterion);
 
   /// Tells of a detection set that the tracker used.
+  /// @param utime us, of its image.
+  /// @param T_world_camera where the image was taken.
   /// @param viewpoint index of its viewpoint in `viewpoints`.
   /// @return true when it led to a new decision.
   bool OnSet(int64_t utime,
+             const Pose& T_world_camera,
              int viewpoint,
              const std::vector<Viewpoint>& viewpoints,
              std::span<const ObjectEstimate> objects);
@@ -55,8 +58,10 @@ class ViewSequence {
 
   /// The last decision; nothing is selected before the first.
   [[nodiscard]] const NextView& next_view() const { return next_view_; }
-  /// Number of the last decision, from 0; -1 before the first.
-  [[nodiscard]] int64_t decision() const { return state_.num_decisions - 1; }
+  /// Number of the last decision; -1 before the first. They count up from the utime of the set
+  /// that led to the first one, so that a sequence begun anew never repeats a number of an earlier
+  /// one, which a robot may still speak of.
+  [[nodiscard]] int64_t decision() const { return state_.decision; }
   [[nodiscard]] bool finished() const { return state_.finished; }
 
   [[nodiscard]] const ViewSequenceState& state() const { return state_; }
@@ -66,8 +71,11 @@ class ViewSequence {
                        std::span<const ObjectEstimate> objects);
 
  private:
+  [[nodiscard]] bool IsAtSelected(int64_t utime, const Pose& T_world_camera);
   void MarkVisited(const std::vector<Viewpoint>& viewpoints);
-  void Decide(const std::vector<Viewpoint>& viewpoints, std::span<const ObjectEstimate> objects);
+  void Decide(int64_t number,
+              const std::vector<Viewpoint>& viewpoints,
+              std::span<const ObjectEstimate> objects);
   [[nodiscard]] NextView Select(const std::vector<Viewpoint>& viewpoints,
                                 std::span<const ObjectEstimate> objects) const;
 
@@ -77,7 +85,7 @@ class ViewSequence {
   ViewSequenceState state_;
   NextView next_view_;
   int64_t arrival_utime_ = -1;  // At the selected view; -1: under way.
-  int num_sets_since_arrival_ = 0;
+  int num_sets_at_selected_ = 0;
 };
 
 /// As text; the inverse takes it from the front of a reader's text.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
@@ -28,7 +29,7 @@ class Camera {
       viewpoints_.push_back({T_world_camera, 0});
     }
     ++viewpoints_[static_cast<size_t>(viewpoint)].num_sets;
-    return sequence_.OnSet(utime_, viewpoint, viewpoints_, objects_);
+    return sequence_.OnSet(utime_, T_world_camera, viewpoint, viewpoints_, objects_);
   }
 
   ViewSequence& sequence_;
@@ -46,7 +47,7 @@ TEST(ViewSequence, DecidesOnceEnoughWasSeenFromAView) {
   Camera camera(sequence);
   EXPECT_EQ(sequence.decision(), -1);
   for (int i = 1; i <= 6; ++i) EXPECT_EQ(camera.Set(kStart), i == 3) << i;
-  EXPECT_EQ(sequence.decision(), 0);
+  EXPECT_EQ(sequence.decision(), 300'000);  // The utime of the third set.
   EXPECT_FALSE(sequence.finished());
 }
 
@@ -82,9 +83,58 @@ TEST(ViewSequence, ARobotThatStopsBesideTheViewGetsANewOne) {
   sequence.OnArrived(sequence.decision(), camera.utime_ + 50'000);
   EXPECT_FALSE(camera.Set(kStart));
   EXPECT_TRUE(camera.Set(kStart));
-  EXPECT_EQ(sequence.decision(), 1);
+  EXPECT_EQ(sequence.decision(), 200'001);
   EXPECT_NE(sequence.next_view().selected, first);
   EXPECT_EQ(sequence.next_view().candidates[static_cast<size_t>(first)].reason, "visited");
+}
+
+// A robot that does not say when it has arrived stops between a visited view and the selected one,
+// a little nearer to the latter.
+TEST(ViewSequence, WithoutArrivalsTheNearestCandidateIsTheVisitedOne) {
+  const auto view = [](double azimuth_deg) {
+    const double a = azimuth_deg * kDegree;
+    const double e = ViewCandidateParameters().lowest_elevation;
+    const Eigen::Vector3d direction(
+        std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e));
+    return LookAt(0.75 * direction, Eigen::Vector3d::Zero());
+  };
+  ViewSequence sequence({}, FarthestView());  // Views of a ring are 30 degrees apart.
+  Camera camera(sequence);
+  camera.Set(view(14.5));
+  camera.Set(view(14.5));
+  while (sequence.next_view().selected != 1) {  // At 30 degrees.
+    ASSERT_TRUE(sequence.OnRefused(sequence.decision(), "too far", camera.viewpoints_, {}));
+  }
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(camera.Set(view(14.5)));
+  EXPECT_FALSE(camera.Set(view(15.5)));
+  EXPECT_TRUE(camera.Set(view(15.5)));
+  EXPECT_EQ(camera.viewpoints_.size(), 1U);
+  EXPECT_NE(sequence.next_view().selected, 1);
+  EXPECT_EQ(sequence.next_view().candidates[1].reason, "visited");
+}
+
+// A planner without a saved state is ended and begun anew; the robot goes on saying that it rests
+// at the view of a decision of the first life.
+TEST(ViewSequence, NumbersOfTwoLivesNeverCoincide) {
+  ViewSequence first({}, FarthestView());
+  Camera camera(first);
+  std::set<int64_t> numbers;
+  for (int i = 0; i < 20 && !first.finished(); ++i) {
+    camera.Set(i < 2 ? kStart : Candidate(first, first.next_view().selected));
+    numbers.insert(first.decision());
+  }
+  EXPECT_GT(numbers.size(), 5U);
+
+  ViewSequence second({}, FarthestView());
+  Camera again(second);
+  again.utime_ = camera.utime_;
+  again.Set(kStart);
+  again.Set(kStart);
+  EXPECT_FALSE(numbers.contains(second.decision()));
+  const int selected = second.next_view().selected;
+  for (const int64_t number : numbers) second.OnArrived(number, again.utime_);
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(again.Set(kStart));
+  EXPECT_EQ(second.next_view().selected, selected);
 }
 
 TEST(ViewSequence, FinishesWhenAllConfirmedObjectsConverged) {
