@@ -58,7 +58,9 @@ Result<void> PpfNode::Subscribe() {
       });
   if (!subscribed) return subscribed;
   return bus_.Subscribe<images_t>(
-      channel_, latest, [this](const Envelope&, const images_t& message) { OnImages(message); });
+      channel_, latest, [this](const Envelope& envelope, const images_t& message) {
+        OnImages(envelope, message);
+      });
 }
 
 void PpfNode::Report(const std::string& problem) {
@@ -94,11 +96,19 @@ void PpfNode::ForgetPass() {
   last_image_utime_.reset();
 }
 
-void PpfNode::OnImages(const images_t& message) {
+void PpfNode::OnImages(const Envelope& envelope, const images_t& message) {
   Result<DepthFrame> frame = DepthFrameFromMessage(message);
+  num_passed_over_ += envelope.num_skipped;
   if (!frame) {
+    ++num_passed_over_;
     Report(channel_ + ": " + frame.error().message);
     return;
+  }
+  if (frame->seq >= 0) {
+    // images_t is not ours and has its seq in the metadata, where the bus does not look.
+    const int64_t lost = image_sequence_.Add(channel_, frame->seq, num_passed_over_);
+    if (lost > 0) bus_.RecordLost(channel_, lost);
+    num_passed_over_ = 0;
   }
   if (last_image_utime_ && frame->utime < *last_image_utime_ - kLargestDisorder) {
     ForgetPass();

@@ -8,6 +8,7 @@
 
 #include "bus/bus.h"
 #include "bus/image_conversion.h"
+#include "bus/sequence_tracker.h"
 #include "common/pose_buffer.h"
 #include "nodes/config_reader.h"
 #include "nodes/node.h"
@@ -36,7 +37,7 @@ class PpfNode : public Node {
           const std::string& process_name,
           std::unique_ptr<PpfEstimator> estimator);
   Result<void> Subscribe();
-  void OnImages(const images_t& message);
+  void OnImages(const Envelope& envelope, const images_t& message);
   void OnInfo(const camera_info_t& message);
   void OnPose(const rigid_transform_t& message);
   void ForgetPass();
@@ -54,6 +55,8 @@ class PpfNode : public Node {
   std::optional<CameraModel> camera_;
   PoseBuffer poses_;
   std::deque<DepthFrame> pending_;
+  SequenceTracker image_sequence_;
+  int64_t num_passed_over_ = 0;  // Images since the last one counted that arrived but had no use.
   std::optional<int64_t> last_image_utime_;  // In this pass over time.
   int64_t seq_ = 0;
   std::string state_ = "ok";

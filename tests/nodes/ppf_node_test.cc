@@ -156,6 +156,20 @@ TEST_F(PpfNodeTest, PublishesEveryImageAtRestAlsoWhenEmpty) {
   EXPECT_EQ(sets[1].num_detections, 0);
 }
 
+TEST_F(PpfNodeTest, CountsImagesThatNeverArrived) {
+  for (const int64_t seq : {7, 8, 12, 13}) WriteImage(kStart + seq, seq);
+  // Arrived, though it is of no use.
+  const std::vector<uint16_t> depth(4);
+  images_t bad = DepthToMessage(2, 2, depth, kStart + 14, 14, "", DepthCompression::kNone);
+  bad.images[0].data.pop_back();
+  --bad.images[0].size;
+  Write(kStart + 14, "CAMERA_CAM", bad);
+  WriteImage(kStart + 16, 16);
+  WriteImage(kStart + 17, 0);  // The sender started anew.
+  Run();
+  EXPECT_EQ(bus->counters().num_lost, 3 + 1);
+}
+
 TEST_F(PpfNodeTest, LeavesOutImagesTakenInMotionOrBesideThePoses) {
   WriteInfo(kStart);
   for (int64_t t = 0; t <= 2'000'000; t += 50'000) {
