@@ -8,14 +8,15 @@
 #include <cstring>
 #include <utility>
 
+#include "bus/channel_pattern.h"
 #include "bus/event_log.h"
 #include "common/format.h"
 
 namespace vantage {
 namespace {
 
-constexpr int32_t kLongestChannel = 255;  // characters; LCM sends 63 at most
-constexpr int64_t kScanBytes = 1 << 16;   // at a time
+constexpr auto kLongestChannel = static_cast<int32_t>(kMaxChannelName);
+constexpr int64_t kScanBytes = 1 << 16;  // at a time
 
 bool IsPlausible(const EventHeader& header) {
   return header.channel_bytes >= 1 && header.channel_bytes <= kLongestChannel &&
@@ -45,7 +46,9 @@ Result<std::unique_ptr<EventLogReader>> EventLogReader::Open(const std::filesyst
   const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     return Error{errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-                 Format("log %s can't be opened: %s", file.c_str(), std::strerror(errno))};
+                 Format("log %s can't be opened (%s), expected one of lcm-logger or vantage-log",
+                        file.c_str(),
+                        std::strerror(errno))};
   }
   struct stat status {};
   const bool is_file = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);

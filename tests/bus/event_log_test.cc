@@ -8,6 +8,7 @@
 #include <lcm/lcm-cpp.hpp>
 #include <set>
 
+#include "bus/event_log_format.h"
 #include "bus/wire.h"
 #include "common/rng.h"
 #include "tests/bus/support/temporary_folder.h"
@@ -167,6 +168,25 @@ TEST_F(EventLog, SkipsGarbageBetweenEvents) {
     EXPECT_EQ(ReadNumbers(), Range(0, 10)) << size;
     EXPECT_EQ(damage.bytes_skipped, static_cast<int64_t>(size));
     EXPECT_EQ(damage.events_lost, 0);
+  }
+}
+
+// What is read can be written again, and LCM can send it.
+TEST_F(EventLog, ChannelsThatLcmCannotHaveAreDamage) {
+  for (const int32_t length : {64, 255, 256}) {
+    const std::vector<size_t> offsets = WriteLog(3);
+    Bytes bytes = Load();
+    const auto at = bytes.begin() + static_cast<std::ptrdiff_t>(offsets[1]);
+    Bytes event(EventHeader::kBytes);
+    EventHeader{.number = 1, .utime = 1001, .channel_bytes = length, .data_bytes = 5}.Store(event);
+    event.resize(event.size() + static_cast<size_t>(length) + 5, std::byte{'A'});
+    bytes.erase(at, at + static_cast<std::ptrdiff_t>(offsets[2] - offsets[1]));
+    bytes.insert(
+        bytes.begin() + static_cast<std::ptrdiff_t>(offsets[1]), event.begin(), event.end());
+    Store(bytes);
+    EXPECT_EQ(ReadNumbers(), Range(0, 3, 1)) << length;
+    EXPECT_EQ(damage.bytes_skipped, static_cast<int64_t>(event.size()));
+    EXPECT_EQ(damage.events_lost, 1);
   }
 }
 
