@@ -12,6 +12,7 @@
 
 #include "common/format.h"
 #include "common/result.h"
+#include "nodes/command_line.h"
 
 namespace vantage {
 namespace {
@@ -212,12 +213,7 @@ int main(int argc, char** argv) {
   app.add_option("--commit", options.commit, "what was measured");
   app.add_option("--output", options.output, "JSON to write")->required();
   app.add_flag("--check", options.check, "exit 1 when a bar is not met");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
-  }
+  if (const std::optional<int> code = vantage::ParseCommandLine(app, argc, argv)) return *code;
   const vantage::Result<bool> met = vantage::Run(options);
   if (!met) {
     std::fprintf(stderr, "vantage-bench-table: %s\n", met.error().message.c_str());

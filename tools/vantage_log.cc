@@ -15,6 +15,7 @@
 #include "bus/wire.h"
 #include "common/format.h"
 #include "common/result.h"
+#include "nodes/command_line.h"
 #include "tools/support/bop_folder.h"
 #include "tools/support/log_import.h"
 #include "tools/support/view_folder.h"
@@ -181,14 +182,7 @@ int Run(int argc, char** argv) {
   CLI::App* info = app.add_subcommand("info", "tell what is in a log");
   info->add_option("log", arguments.log, "the log")->required();
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& wanted) {
-    return app.exit(wanted);  // --help
-  } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "vantage-log: %s; see vantage-log --help\n", error.what());
-    return 2;
-  }
+  if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
   const Result<void> done = *import ? Import(arguments) : Info(arguments);
   if (!done) {
     std::fprintf(stderr, "vantage-log: %s\n", done.error().message.c_str());

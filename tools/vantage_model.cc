@@ -8,6 +8,7 @@
 
 #include "common/format.h"
 #include "common/result.h"
+#include "nodes/command_line.h"
 #include "perception/model/mesh_check.h"
 #include "perception/model/mesh_import.h"
 #include "perception/model/model_builder.h"
@@ -204,14 +205,7 @@ int Run(int argc, char** argv) {
   picture->add_option("folder", arguments.folder, "the model folder")->required();
   picture->add_option("--output", arguments.output, "the PNG file to write")->required();
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& wanted) {
-    return app.exit(wanted);  // --help
-  } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "vantage-model: %s; see vantage-model --help\n", error.what());
-    return 2;
-  }
+  if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
   const Result<void> done = *generate ? Generate(arguments)
                             : *build  ? Build(arguments)
                             : *info   ? Info(arguments)

@@ -15,6 +15,7 @@
 
 #include "bus/live_bus.h"
 #include "common/format.h"
+#include "nodes/command_line.h"
 #include "nodes/config_reader.h"
 #include "nodes/process.h"
 #include "tools/support/recorded_run.h"
@@ -113,8 +114,13 @@ Result<void> Progress::Subscribe(Bus& bus) {
 }
 
 void Progress::Say(const std::string& line) const {
+  // Names and reasons come from the bus: what would steer a terminal is shown as a question mark.
+  std::string printable = line;
+  for (char& c : printable) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
   if (is_terminal_) std::printf("\r\033[K");
-  std::printf("%s\n", line.c_str());
+  std::printf("%s\n", printable.c_str());
   std::fflush(stdout);
 }
 
@@ -209,8 +215,9 @@ std::string Progress::DescribeObject(const object_estimate_t& object,
   const std::optional<Pose> pose = EstimatedPose(object);
   for (const auto& [truth, instance] : matches) {
     if (instance != object.instance_id || !pose) continue;
-    const PoseError error =
-        ErrorOf(setup_.models.at(object.model_id), *pose, setup_.truth[truth].T_world_object);
+    const auto model = setup_.models.find(object.model_id);
+    if (model == setup_.models.end()) continue;
+    const PoseError error = ErrorOf(model->second, *pose, setup_.truth[truth].T_world_object);
     text += Format(" %.2f deg %.1f mm", error.angle / kDegree, 1e3 * error.distance);
   }
   if (object.last_change >= 0.0) text += Format(" (moved %.2f deg)", object.last_change / kDegree);
@@ -280,11 +287,6 @@ int main(int argc, char** argv) {
   app.add_option("--timeout", arguments.timeout, "give up after so many seconds (exit code 3)")
       ->check(CLI::PositiveNumber);
   app.add_flag("--until-finished", arguments.until_finished, "end when all objects are found");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
-  }
+  if (const std::optional<int> code = vantage::ParseCommandLine(app, argc, argv)) return *code;
   return vantage::Run(arguments);
 }

@@ -13,8 +13,10 @@
 #include "bus/log_bus.h"
 #include "bus/message_check.h"
 #include "common/format.h"
+#include "nodes/command_line.h"
 #include "nodes/config_reader.h"
 #include "nodes/fusion_node.h"
+#include "nodes/ppf_config.h"
 #include "nodes/ppf_node.h"
 #include "tools/support/object_table.h"
 #include "vantage/log_header_t.hpp"
@@ -23,7 +25,8 @@
 namespace vantage {
 namespace {
 
-// What the nodes here publish: recorded events of these channels are not for them.
+// What the nodes here publish anew, and ARM_STATUS: it answers the recorded NEXT_VIEW, not the one
+// that is computed here.
 constexpr const char* kRecomputed =
     "DETECTIONS_.*|OBJECTS|ORIENTATION_HISTOGRAM|NEXT_VIEW|ARM_STATUS|PROCESS_STATUS";
 
@@ -137,6 +140,8 @@ Result<void> Replay(const Arguments& arguments) {
   if (!reader) return reader.error();
   Result<ConfigReader> config = OpenConfig(arguments);
   if (!config) return config.error();
+  const Result<PpfConfig> ppf_config = ReadPpfConfig(*config);
+  if (!ppf_config) return ppf_config.error();
 
   std::unique_ptr<EventLogWriter> writer;
   if (!arguments.output.empty()) {
@@ -149,6 +154,7 @@ Result<void> Replay(const Arguments& arguments) {
   options.copy_inputs = arguments.with_inputs;
   options.header.version = VANTAGE_VERSION;
   options.header.config_text = config->text();
+  options.header.seed = static_cast<int64_t>(ppf_config->seed);
   Result<std::unique_ptr<LogBus>> bus =
       LogBus::Create(options, std::move(reader).value(), writer.get());
   if (!bus) return bus.error();
@@ -193,12 +199,7 @@ int main(int argc, char** argv) {
                  "TOML file of the set-up; default: the one in the log's LOG_HEADER");
   app.add_option("--output,-o", arguments.output, "log to write what is recomputed to");
   app.add_flag("--with-inputs", arguments.with_inputs, "copy what is read into the output too");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
-  }
+  if (const std::optional<int> code = vantage::ParseCommandLine(app, argc, argv)) return *code;
   if (const vantage::Result<void> done = vantage::Replay(arguments); !done) {
     std::fprintf(stderr, "vantage-replay: %s\n", done.error().message.c_str());
     return 2;

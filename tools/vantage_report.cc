@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/format.h"
+#include "nodes/command_line.h"
 #include "tools/support/png_image.h"
 #include "tools/support/recorded_run.h"
 #include "tools/support/report_page.h"
@@ -141,12 +142,7 @@ int main(int argc, char** argv) {
                arguments.better_than_median,
                "let --check fail, too, where an object's median single detection is as good");
   app.add_flag("--check", arguments.check, "exit 1 when an object is missed, wrong or not there");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
-  }
+  if (const std::optional<int> code = vantage::ParseCommandLine(app, argc, argv)) return *code;
   const vantage::Result<bool> within = vantage::Report(arguments);
   if (!within) {
     std::fprintf(stderr, "vantage-report: %s\n", within.error().message.c_str());

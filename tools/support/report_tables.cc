@@ -128,7 +128,8 @@ std::string ReportJson(const RunMetrics& metrics, const ReportLimits& limits) {
       {"met", metrics.Within(limits.rotation_deg * kDegree, 1e-3 * limits.position_mm)},
       {"objects", objects},
       {"extra", metrics.extra}};
-  return report.dump(1) + "\n";
+  // Names come from the log: what is no UTF-8 in them is replaced.
+  return report.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace vantage
