@@ -2,12 +2,14 @@
 
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bus/conversions.h"
 #include "common/format.h"
+#include "common/time_range.h"
 #include "nodes/fusion_messages.h"
 #include "nodes/fusion_state_file.h"
 #include "vantage/arm_status_t.hpp"
@@ -52,14 +54,21 @@ class FusionNode : public Node {
 
   void OnDetections(const std::string& channel, const detections_t& message) {
     const Result<DetectionSet> set = DetectionsFromMessage(message, channel);
-    if (!set) return ReportBad(set.error().message);
+    if (!set) return ReportDropped(set.error().message);
     const auto start = std::chrono::steady_clock::now();
     const ObjectTracker::Update update = tracker_.Add(*set);
     if (update.num_invalid > 0) {
-      ReportBad(Format("%d of %zu detections of %s are of models not in use or explain nothing",
-                       update.num_invalid,
-                       set->detections.size(),
-                       channel.c_str()));
+      ReportDropped(Format("%d of %zu detections of %s are of models not in use or explain nothing",
+                           update.num_invalid,
+                           set->detections.size(),
+                           channel.c_str()));
+    } else if (update.num_beyond > 0) {
+      ReportDropped(Format("%s shows more than %zu viewpoints or %zu objects",
+                           channel.c_str(),
+                           ObjectTracker::kMostViewpoints,
+                           ObjectTracker::kMostInstances));
+    } else {
+      Report(kInput, {});
     }
     if (!update.used) return RepeatWhenDue(set->utime);
     utime_ = set->utime;
@@ -79,7 +88,8 @@ class FusionNode : public Node {
     }
   }
 
-  void OnArmStatus(const std::string& /*channel*/, const arm_status_t& message) {
+  void OnArmStatus(const std::string& channel, const arm_status_t& message) {
+    if (!IsPlausible(channel, message.utime)) return;
     if (message.state == arm_status_t::RESTING) {
       views_.OnArrived(message.view_seq, message.utime);
     } else if (message.state == arm_status_t::REFUSED) {
@@ -94,8 +104,8 @@ class FusionNode : public Node {
     RepeatWhenDue(message.utime);
   }
 
-  void OnCameraPose(const std::string& /*channel*/, const rigid_transform_t& message) {
-    RepeatWhenDue(message.utime);
+  void OnCameraPose(const std::string& channel, const rigid_transform_t& message) {
+    if (IsPlausible(channel, message.utime)) RepeatWhenDue(message.utime);
   }
 
   // Tells the last decision again, a second after it was told last, or when the clock was set back.
@@ -117,12 +127,12 @@ class FusionNode : public Node {
     message.seq = objects_seq_++;
     message.num_viewpoints = static_cast<int32_t>(tracker_.state().viewpoints.size());
     message.finished = views_.finished() ? 1 : 0;
-    Check(bus_.Publish("OBJECTS", message));
+    Publish("OBJECTS", message);
     for (const ObjectEstimate& object : objects) {
       orientation_histogram_t histogram = HistogramToMessage(object);
       histogram.utime = utime_;
       histogram.seq = histogram_seq_++;
-      Check(bus_.Publish("ORIENTATION_HISTOGRAM", histogram));
+      Publish("ORIENTATION_HISTOGRAM", histogram);
     }
   }
 
@@ -132,7 +142,7 @@ class FusionNode : public Node {
     next_view_t message = NextViewToMessage(views_.next_view());
     message.utime = utime_;
     message.seq = views_.decision();
-    Check(bus_.Publish("NEXT_VIEW", message));
+    Publish("NEXT_VIEW", message);
   }
 
   Result<void> LoadState(bool fresh) {
@@ -171,19 +181,43 @@ class FusionNode : public Node {
 
   void SaveState() {
     if (config_.state_file.empty()) return;
-    Check(SaveFusionState({config_.setup, utime_, views_.state(), tracker_.state()},
-                          config_.state_file));
+    Report("state file",
+           SaveFusionState({config_.setup, utime_, views_.state(), tracker_.state()},
+                           config_.state_file));
   }
 
-  void ReportBad(const std::string& what) {
-    ++num_bad_;
-    bus_.SetState(Format(
-        "%s (%lld times something was dropped)", what.c_str(), static_cast<long long>(num_bad_)));
+  template <class Message>
+  void Publish(const std::string& channel, const Message& message) {
+    Report(channel, bus_.Publish(channel, message));
   }
 
-  void Check(const Result<void>& done) {
-    if (!done) bus_.SetState(done.error().message);
+  bool IsPlausible(const std::string& channel, int64_t utime) {
+    if (IsPlausibleUtime(utime)) return true;
+    ReportDropped(Format("%s has the utime %lld us, expected 0 to the year 2200",
+                         channel.c_str(),
+                         static_cast<long long>(utime)));
+    return false;
   }
+
+  void ReportDropped(const std::string& what) {
+    ++num_dropped_;
+    Report(kInput,
+           Error{ErrorCode::kInvalidArgument,
+                 Format("%s (%lld times something was dropped)",
+                        what.c_str(),
+                        static_cast<long long>(num_dropped_))});
+  }
+
+  // A trouble is told until the same thing goes well again.
+  void Report(const std::string& what, const Result<void>& done) {
+    if (done.ok() && problems_.erase(what) == 0) return;
+    if (!done) problems_[what] = done.error().message;
+    std::string state;
+    for (const auto& [each, problem] : problems_) state += (state.empty() ? "" : "; ") + problem;
+    bus_.SetState(state.empty() ? "ok" : state);
+  }
+
+  static constexpr const char* kInput = "input";
 
   Bus& bus_;
   const FusionConfig config_;
@@ -195,7 +229,8 @@ class FusionNode : public Node {
   bool restored_ = false;        // What was restored has not been told yet.
   int64_t objects_seq_ = 0;
   int64_t histogram_seq_ = 0;
-  int64_t num_bad_ = 0;
+  int64_t num_dropped_ = 0;
+  std::map<std::string, std::string> problems_;  // By what is not well: input, a channel, ...
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/format.h"
+#include "common/time_range.h"
 #include "fusion/state_text.h"
 
 namespace vantage {
@@ -104,7 +105,7 @@ Result<std::optional<FusionState>> LoadFusionState(const std::filesystem::path& 
                         setup.c_str())};
   }
   reader.Keyword("utime");
-  state.utime = reader.Number<int64_t>(INT64_MIN, INT64_MAX);
+  state.utime = reader.Number<int64_t>(0, kLatestUtime);
   state.views = ReadViewSequenceState(reader);
   if (reader.failed()) return Damaged(file, "is damaged: " + reader.error());
   Result<TrackerState> tracker = ParseTrackerState(reader.Rest());

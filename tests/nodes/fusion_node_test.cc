@@ -15,6 +15,7 @@
 #include "bus/conversions.h"
 #include "common/format.h"
 #include "common/rng.h"
+#include "common/time_range.h"
 #include "nodes/fusion_messages.h"
 #include "tests/nodes/fusion_test_bus.h"
 #include "vantage/arm_status_t.hpp"
@@ -91,7 +92,7 @@ class World {
   }
 
   void FollowNextView() {
-    if (bus_.Count("NEXT_VIEW") == 0) return;
+    if (!hears_ || bus_.Count("NEXT_VIEW") == 0) return;
     const next_view_t view = bus_.Last<next_view_t>("NEXT_VIEW");
     if (view.seq == view_seq_) return;
     view_seq_ = view.seq;
@@ -139,6 +140,7 @@ class World {
   int64_t utime_ = 1'700'000'000'000'000;
   int64_t seq_ = 0;
   int64_t view_seq_ = -1;
+  bool hears_ = true;  // The robot, what it is told.
   std::vector<int> selected_;
 };
 
@@ -296,6 +298,85 @@ TEST_F(FusionNodeTest, ABadSetIsDroppedAndReported) {
   bad.detections.front().model_id = "teapot";
   bus.Send("DETECTIONS_PPF", bad);
   EXPECT_EQ(bus.Last<object_estimates_t>("OBJECTS").num_objects, 2);
+  EXPECT_NE(bus.state().find("not in use"), std::string::npos) << bus.state();
+  // Told until all is well again.
+  world.Frame();
+  EXPECT_EQ(bus.state(), "ok");
+}
+
+TEST_F(FusionNodeTest, AFailedSaveIsToldUntilOneSucceeds) {
+  const FusionConfig config = ConfigWithState();
+  TestBus bus;
+  const std::unique_ptr<Node> node = MustMake(bus, config);
+  World world(bus);
+  // Not even root can write into a folder that is none.
+  const std::filesystem::path folder = config.state_file.parent_path();
+  std::filesystem::remove_all(folder);
+  std::ofstream(folder) << "a file";
+  world.Frame();
+  EXPECT_NE(bus.state().find("can't write the state file"), std::string::npos) << bus.state();
+  // A bad set and its end leave that as it is.
+  detections_t bad = world.last_;
+  bad.camera_quat[0] = 7.0;
+  bus.Send("DETECTIONS_PPF", bad);
+  EXPECT_NE(bus.state().find("quaternion"), std::string::npos) << bus.state();
+  bus.Send("DETECTIONS_PPF", world.last_);
+  EXPECT_EQ(bus.state().find("quaternion"), std::string::npos) << bus.state();
+  EXPECT_NE(bus.state().find("can't write the state file"), std::string::npos) << bus.state();
+  std::filesystem::remove(folder);
+  std::filesystem::create_directories(folder);
+  world.Frame();
+  EXPECT_EQ(bus.state(), "ok");
+}
+
+TEST_F(FusionNodeTest, TimesThatCantBeAreDroppedAndReported) {
+  for (const int64_t utime : {INT64_MIN, int64_t{-1}, kLatestUtime + 1, INT64_MAX}) {
+    TestBus bus;
+    const std::unique_ptr<Node> node = MustMake(bus, MakeConfig());
+    World world(bus);
+    world.Frame();
+    world.Frame();
+    const int64_t now = world.utime_;
+    ASSERT_EQ(bus.state(), "ok");
+    const size_t count = bus.published().size();
+    world.utime_ = utime;
+    world.Status(arm_status_t::MOVING, 0);
+    EXPECT_NE(bus.state().find("ARM_STATUS has the utime"), std::string::npos) << bus.state();
+    bus.Send("CAMERA_XTION_TO_WORLD", PoseToMessage(Pose::Identity(), utime));
+    EXPECT_NE(bus.state().find("_TO_WORLD has the utime"), std::string::npos) << bus.state();
+    detections_t set = world.last_;
+    set.utime = utime;
+    set.seq += 1;
+    bus.Send("DETECTIONS_PPF", set);
+    EXPECT_EQ(bus.published().size(), count);
+    world.utime_ = now;
+    world.Frame();
+    EXPECT_EQ(bus.state(), "ok");
+  }
+}
+
+// Without a state a node that is started again knows nothing, but the robot still says that it
+// rests at the view of the last decision it heard.
+TEST_F(FusionNodeTest, WhatTheRobotSaysOfAnEarlierLifeIsNoArrival) {
+  TestBus bus;
+  std::unique_ptr<Node> node = MustMake(bus, MakeConfig());
+  World world(bus);
+  world.Frame();
+  world.Frame();
+  const int64_t old_seq = world.view_seq_;
+  bus.Reset();
+  node = MustMake(bus, MakeConfig());
+  world.hears_ = false;
+  world.Frame();
+  world.Frame();
+  const next_view_t decided = bus.Last<next_view_t>("NEXT_VIEW");
+  for (int i = 0; i < 5; ++i) {
+    world.Status(arm_status_t::RESTING, old_seq);
+    world.Frame();
+  }
+  const next_view_t last = bus.Last<next_view_t>("NEXT_VIEW");
+  EXPECT_EQ(last.seq, decided.seq);
+  EXPECT_EQ(last.selected, decided.selected);
 }
 
 TEST_F(FusionNodeTest, TheHistogramFitsInAMessage) {
