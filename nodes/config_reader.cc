@@ -18,6 +18,12 @@ namespace {
 
 // Values as they would stand in a file.
 std::string TextOf(const toml::node& node) {
+  if (const auto* number = node.as_floating_point()) return Format("%.15g", number->get());
+  if (const auto* list = node.as_array()) {
+    std::string text;
+    for (const toml::node& each : *list) text += (text.empty() ? "" : ", ") + TextOf(each);
+    return "[" + text + "]";
+  }
   std::ostringstream stream;
   node.visit([&stream](const auto& value) { stream << value; });
   return stream.str();
@@ -43,6 +49,7 @@ struct ConfigReader::Document {
   std::string text;
   toml::table root;
   std::optional<std::string> first_error;
+  std::optional<std::string> first_missing;  // Told last: a misspelt key is the cause of it.
   std::shared_ptr<Table::Node> root_node;
 };
 
@@ -59,13 +66,19 @@ struct ConfigReader::Table::Node {
   void Fail(const std::string& key, const toml::node* at, const std::string& expectation) const {
     const std::shared_ptr<Document> owner = document.lock();
     if (!owner || owner->first_error) return;
-    std::string where = owner->name;
+    owner->first_error = Sentence(key, at, expectation);
+  }
+
+  [[nodiscard]] std::string Sentence(const std::string& key,
+                                     const toml::node* at,
+                                     const std::string& expectation) const {
+    std::string where = document.lock()->name;
     if (at != nullptr && at->source().begin.line > 0) {
       where += Format(":%u", static_cast<unsigned>(at->source().begin.line));
     }
     std::string value;
     if (at != nullptr && at->is_value()) value = " = " + TextOf(*at);
-    owner->first_error = where + ": " + path + key + value + ": " + expectation;
+    return where + ": " + path + key + value + ": " + expectation;
   }
 
   const toml::node* Ask(const std::string& key) {
@@ -282,7 +295,9 @@ bool ConfigReader::Table::WasAsked(const std::string& key) const {
 }
 
 void ConfigReader::Table::Require(const std::string& key) {
-  if (!Has(key)) node_->Fail(key, node_->toml, "missing; it has no default");
+  const std::shared_ptr<Document> owner = node_->document.lock();
+  if (Has(key) || owner->first_missing) return;
+  owner->first_missing = node_->Sentence(key, node_->toml, "missing; it has no default");
 }
 
 ConfigReader::Table ConfigReader::Table::Sub(const std::string& key) {
@@ -339,9 +354,10 @@ void ConfigReader::Table::IgnoreAll() { node_->ignored = true; }
 Result<ConfigReader> ConfigReader::Open(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
+    const bool there = std::filesystem::exists(file, error);
     return Error{ErrorCode::kNotFound,
-                 "config file " + file.string() +
-                     " is not there; expected a TOML file such as config/demo.toml"};
+                 "config file " + file.string() + (there ? " is no file" : " is not there") +
+                     "; expected a TOML file such as config/demo.toml"};
   }
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error || size > kLargestFile) {
@@ -385,7 +401,9 @@ ConfigReader::Table ConfigReader::Root() { return Table(document_->root_node); }
 
 Result<void> ConfigReader::Finish() {
   document_->root_node->ReportUnasked();
-  if (document_->first_error) return Error{ErrorCode::kInvalidArgument, *document_->first_error};
+  for (const auto& error : {document_->first_error, document_->first_missing}) {
+    if (error) return Error{ErrorCode::kInvalidArgument, *error};
+  }
   return {};
 }
 

@@ -77,7 +77,7 @@ class ConfigReader {
   static Result<ConfigReader> Parse(const std::string& text, const std::string& name);
 
   Table Root();
-  /// The first error met, or the first key that nobody asked for.
+  /// The first error met, else the first key that nobody asked for, else the first that is missing.
   Result<void> Finish();
   /// Every key that was asked for with the value in effect, the file's or the default, each as a
   /// line "table.key = value".

@@ -80,6 +80,9 @@ ModelNames ReadModels(ConfigReader::Table table) {
   table.ReadPath("folder", &models.folder);
   table.Read("use", &models.names);
   if (models.names.empty() && table.Has("use")) table.Fail("use", "expected at least one model");
+  for (const std::string& name : models.names) {
+    if (Result<void> fits = CheckModelId(name); !fits) table.Fail("use", fits.error().message);
+  }
   return models;
 }
 

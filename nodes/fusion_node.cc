@@ -147,11 +147,9 @@ class FusionNode : public Node {
 
   Result<void> LoadState(bool fresh) {
     if (config_.state_file.empty()) return {};
+    if (Result<void> ready = PrepareStateFile(config_.state_file); !ready) return ready;
     std::error_code error;
     if (fresh) std::filesystem::remove(config_.state_file, error);
-    if (config_.state_file.has_parent_path()) {
-      std::filesystem::create_directories(config_.state_file.parent_path(), error);
-    }
     Result<std::optional<FusionState>> state = LoadFusionState(config_.state_file, config_.setup);
     if (state.ok() && !state->has_value()) return {};
     Result<void> restored = state.ok() ? Restore(**state) : Result<void>(state.error());

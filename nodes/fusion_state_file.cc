@@ -114,6 +114,25 @@ Result<std::optional<FusionState>> LoadFusionState(const std::filesystem::path& 
   return std::optional<FusionState>(std::move(state));
 }
 
+Result<void> PrepareStateFile(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::path folder = file.parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder, error);
+  if (error || access(folder.empty() ? "." : folder.c_str(), W_OK) != 0) {
+    return Error{ErrorCode::kIo,
+                 Format("folder of the state file %s can't be %s (%s), expected one to write into",
+                        file.c_str(),
+                        error ? "made" : "written",
+                        error ? error.message().c_str() : std::strerror(errno))};
+  }
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        Format("state file %s is a folder or a device, expected the name of a file", file.c_str())};
+  }
+  return {};
+}
+
 Result<void> MoveAside(const std::filesystem::path& file) {
   const std::filesystem::path aside = file.string() + ".bad";
   if (std::rename(file.c_str(), aside.c_str()) != 0) {

@@ -28,6 +28,9 @@ Result<void> SaveFusionState(const FusionState& state, const std::filesystem::pa
 Result<std::optional<FusionState>> LoadFusionState(const std::filesystem::path& file,
                                                    const std::string& setup);
 
+/// Makes the file's folder. Errors: it can't be made or written; what is there is no regular file.
+Result<void> PrepareStateFile(const std::filesystem::path& file);
+
 /// Gives the file the name FILE.bad, replacing an earlier one.
 Result<void> MoveAside(const std::filesystem::path& file);
 

@@ -16,8 +16,8 @@ void ReadCamera(ConfigReader& config, ConfigReader::Table& ppf, std::string* cam
   const std::vector<std::string> names = cameras.Keys();
   cameras.IgnoreAll();
   if (!ppf.Has("camera") && names.size() == 1) *camera = names.front();
-  if (camera->empty()) ppf.Require("camera");
   ppf.Read("camera", camera);
+  if (camera->empty() && !ppf.Has("camera")) return ppf.Require("camera");
   const bool is_name =
       !camera->empty() && camera->size() <= 32 && std::ranges::all_of(*camera, [](unsigned char c) {
         return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';

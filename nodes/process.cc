@@ -11,6 +11,7 @@
 
 #include "bus/live_bus.h"
 #include "bus/process_name_lock.h"
+#include "common/format.h"
 
 namespace vantage {
 namespace {
@@ -117,8 +118,11 @@ int RunProcess(int argc,
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : kBadInput;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    const std::string program = "vantage-" + default_name;
+    return Fail(program,
+                Error{ErrorCode::kInvalidArgument,
+                      Format("%s; see %s --help", error.what(), program.c_str())});
   }
 
   Result<ConfigReader> config = ConfigReader::Open(config_file);

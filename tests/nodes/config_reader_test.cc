@@ -146,7 +146,26 @@ TEST(ConfigReader, EffectiveIsTheFilesValueOrTheDefault) {
   }
   EXPECT_EQ(reader.Effective(),
             "a.color = false\na.k = 3\na.name = 'XTION'\na.object[0].x = 1\n"
-            "a.object[1].x = 2.5\na.sigma = 4\na.target = [0, 0.5]\na.use = [ 'p' ]\n");
+            "a.object[1].x = 2.5\na.sigma = 4\na.target = [0, 0.5]\na.use = ['p']\n");
+}
+
+TEST(ConfigReader, AMisspeltTableIsToldBeforeWhatIsMissingForIt) {
+  ConfigReader reader = Parse("[modles]\nfolder = 'x'\n");
+  reader.Root().Sub("models").Require("folder");
+  EXPECT_EQ(FinishError(reader), "test.toml:1: modles: unknown key; known here: models");
+}
+
+TEST(ConfigReader, ValuesAreToldAsTheyWereWritten) {
+  ConfigReader reader = Parse("share = 0.95\n");
+  double share = 0.0;
+  reader.Root().Read("share", &share, 0.0, 0.1);
+  EXPECT_EQ(FinishError(reader), "test.toml:1: share = 0.95: expected a number from 0 to 0.1");
+}
+
+TEST(ConfigReader, AFolderIsNoFile) {
+  const Result<ConfigReader> reader = ConfigReader::Open(testing::TempDir());
+  ASSERT_FALSE(reader.ok());
+  EXPECT_NE(reader.error().message.find(" is no file; expected"), std::string::npos);
 }
 
 TEST(ConfigReader, BrokenTomlNamesLineAndColumn) {

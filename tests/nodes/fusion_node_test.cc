@@ -434,6 +434,33 @@ TEST_F(FusionNodeTest, FreshForgetsTheState) {
   EXPECT_TRUE(again.published().empty());
 }
 
+// A folder of the user's must stay where it is.
+TEST_F(FusionNodeTest, AFolderInPlaceOfTheStateIsRefusedAndLeftAlone) {
+  const FusionConfig config = ConfigWithState();
+  std::filesystem::create_directories(config.state_file);
+  for (const bool fresh : {false, true}) {
+    TestBus bus;
+    const Result<std::unique_ptr<Node>> node = MakeFusionNode(bus, config, fresh);
+    ASSERT_FALSE(node.ok());
+    EXPECT_NE(node.error().message.find(config.state_file.string() + " is a folder"),
+              std::string::npos)
+        << node.error().message;
+    EXPECT_TRUE(std::filesystem::is_directory(config.state_file));
+    EXPECT_FALSE(std::filesystem::exists(config.state_file.string() + ".bad"));
+  }
+}
+
+TEST_F(FusionNodeTest, AStateBelowWhatIsNoFolderIsRefused) {
+  FusionConfig config = ConfigWithState();
+  std::filesystem::create_directories(config.state_file.parent_path());
+  std::ofstream(config.state_file) << "a file";
+  config.state_file /= "fusion.state";
+  TestBus bus;
+  const Result<std::unique_ptr<Node>> node = MakeFusionNode(bus, config, false);
+  ASSERT_FALSE(node.ok());
+  EXPECT_NE(node.error().message.find("can't be made"), std::string::npos) << node.error().message;
+}
+
 // Damaged and foreign files: the run starts anew, and the file is kept aside.
 TEST_F(FusionNodeTest, AStateThatIsNoneIsMovedAside) {
   const FusionConfig config = ConfigWithState();
