@@ -242,6 +242,15 @@ Result<std::unique_ptr<LiveBus>> LiveBus::Create(const Options& options) {
   if (Result<void> valid = options.Validate(); !valid) return valid.error();
   Result<LcmUrl> url = LcmUrl::ParseOrDefault(options.url);
   if (!url) return url.error();
+  const std::string buffer = url->Option("recv_buf_size");
+  if (!buffer.empty() && std::stoi(buffer) < options.min_receive_buffer_bytes) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("recv_buf_size of LCM URL '%s' is %s, expected at least %d "
+                        "(min_receive_buffer_bytes)",
+                        url->Text().c_str(),
+                        buffer.c_str(),
+                        options.min_receive_buffer_bytes)};
+  }
   if (url->provider == LcmUrl::Provider::kUdpMulticast) {
     url->SetDefault("ttl", "0");
     url->SetDefault("recv_buf_size", std::to_string(options.receive_buffer_bytes));
@@ -251,13 +260,14 @@ Result<std::unique_ptr<LiveBus>> LiveBus::Create(const Options& options) {
   if (impl->wake < 0) {
     return Error{ErrorCode::kIo, Format("no eventfd: %s", std::strerror(errno))};
   }
-  impl->lcm = lcm_create(url->Text().c_str());
+  // Not told of the buffer that is wanted, over which it would print a page: it is set below.
+  LcmUrl plain = *url;
+  std::erase_if(plain.options, [](const auto& option) { return option.first == "recv_buf_size"; });
+  impl->lcm = lcm_create(plain.Text().c_str());
   if (impl->lcm == nullptr) return NoRoute(*url, "LCM refuses it");
   // LCM opens its receiving sockets, and tries whether they hear, when first asked for this.
   if (lcm_get_fileno(impl->lcm) < 0) return NoRoute(*url, "LCM does not hear its own messages");
-  if (const std::string size = url->Option("recv_buf_size"); !size.empty()) {
-    impl->options.receive_buffer_bytes = std::stoi(size);
-  }
+  if (!buffer.empty()) impl->options.receive_buffer_bytes = std::stoi(buffer);
   Result<int> granted =
       GrantBuffer(*url, impl->options.receive_buffer_bytes, options.min_receive_buffer_bytes);
   if (!granted) return granted.error();
