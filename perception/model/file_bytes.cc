@@ -13,7 +13,8 @@ Result<std::string> ReadFileBytes(const std::filesystem::path& file, size_t larg
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) {
-    return Error{ErrorCode::kNotFound, Format("%s: no such file", file.c_str())};
+    return Error{ErrorCode::kNotFound,
+                 Format("%s: no such file, expected one to read", file.c_str())};
   }
   if (!std::filesystem::is_regular_file(status)) {
     return Error{ErrorCode::kInvalidArgument,

@@ -24,8 +24,11 @@ namespace {
 constexpr size_t kLargestFile = 512U << 20U;  // bytes
 
 Error NoMesh(const std::filesystem::path& file, const std::string& why) {
-  return Error{ErrorCode::kCorrupt,
-               Format("%s can't be read as a mesh: %s", file.c_str(), why.c_str())};
+  return Error{
+      ErrorCode::kCorrupt,
+      Format("%s can't be read as a mesh (%s), expected a PLY, OBJ or STL file with triangles",
+             file.c_str(),
+             why.substr(0, why.find_last_not_of(" .\n") + 1).c_str())};
 }
 
 // The importer allocates what a PLY header's counts claim. Every row of every element takes at
