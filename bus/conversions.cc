@@ -97,8 +97,8 @@ Result<CameraModel> CameraFromMessage(const camera_info_t& message) {
                            .cx = message.cx,
                            .cy = message.cy};
   if (Result<void> valid = camera.Validate(); !valid) return valid.error();
-  if (!(message.depth_unit > 0.0) || !std::isfinite(message.depth_unit)) {
-    return OutOfRange("camera_info_t.depth_unit", message.depth_unit, "a positive length in m");
+  if (!(std::abs(message.depth_unit - kDepthUnit) <= 1e-9)) {
+    return OutOfRange("camera_info_t.depth_unit", message.depth_unit, "0.001 m, as of DEPTH_MM");
   }
   const bool straight =
       std::ranges::all_of(message.distortion, [](double value) { return value == 0.0; });

@@ -17,7 +17,7 @@ Result<Pose> PoseFromMessage(const rigid_transform_t& message);
 /// @param utime us since the epoch at which the pose held.
 rigid_transform_t PoseToMessage(const Pose& T_world_camera, int64_t utime);
 
-/// Errors: as CheckUtime and CameraModel::Validate(), a depth unit that is not positive, or a
+/// Errors: as CheckUtime and CameraModel::Validate(), a depth unit other than 0.001 m, or a
 /// distortion that the pinhole model can't follow (its model is not "none" and some coefficient is
 /// not 0).
 Result<CameraModel> CameraFromMessage(const camera_info_t& message);

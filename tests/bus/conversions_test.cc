@@ -88,6 +88,8 @@ TEST(CameraConversion, RefusesHostileValues) {
       [](camera_info_t* m) { m->fy = -1.0; },
       [](camera_info_t* m) { m->cx = kInf; },
       [](camera_info_t* m) { m->depth_unit = 0.0; },
+      [](camera_info_t* m) { m->depth_unit = 0.0001; },
+      [](camera_info_t* m) { m->depth_unit = 1.0; },
       [](camera_info_t* m) { m->depth_unit = kNan; },
       [](camera_info_t* m) {
         m->distortion_model = "brown_conrady";
