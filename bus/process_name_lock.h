@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -9,12 +8,12 @@
 namespace vantage {
 
 /// Keeps a second process of the same name off an LCM URL, as long as it lives; a killed process
-/// leaves nothing that must be cleaned up. Processes of other users and in other network namespaces
-/// do not see each other.
+/// leaves nothing that must be cleaned up. Processes see each other where their messages may meet:
+/// in one network namespace, whoever runs them.
 class ProcessNameLock {
  public:
-  /// Errors: the name is held (with the holder's process id and how to mend it), is not of letters,
-  /// digits, '_', '-' and '.', or the folder for locks can't be used.
+  /// Errors: the name is held (with the holder's process id, if it can be known, and how to mend
+  /// it), is not of letters, digits, '_', '-' and '.', or the system refuses.
   /// @param url LCM's; empty: as LiveBus has it. Options after '?' make no difference.
   static Result<std::unique_ptr<ProcessNameLock>> Acquire(const std::string& name,
                                                           const std::string& url);
@@ -23,10 +22,8 @@ class ProcessNameLock {
   ProcessNameLock& operator=(const ProcessNameLock&) = delete;
 
  private:
-  ProcessNameLock(std::filesystem::path file, int descriptor)
-      : file_(std::move(file)), descriptor_(descriptor) {}
+  explicit ProcessNameLock(int descriptor) : descriptor_(descriptor) {}
 
-  std::filesystem::path file_;
   int descriptor_;
 };
 
