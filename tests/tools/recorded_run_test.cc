@@ -167,6 +167,7 @@ TEST_F(RecordedRunTest, LaterDetectionOfAViewpointReplacesTheFirst) {
   ASSERT_TRUE(run.ok());
   ASSERT_EQ(run->views.size(), 1U);
   EXPECT_EQ(run->views[0].utime, Second(1));
+  ASSERT_EQ(run->views[0].depth.width, kWidth);
   EXPECT_FLOAT_EQ(run->views[0].depth.at(0, 0), 0.6F);
   ExpectSame(run->views[0].detections.at(2), PoseOf(1) * PoseOf(11));
 }
@@ -201,6 +202,7 @@ TEST_F(RecordedRunTest, ViewWithoutADetectionHasItsPlaceAndImage) {
   ASSERT_EQ(run->views.size(), 2U);
   EXPECT_EQ(run->views[0].utime, Second(0));
   ExpectSame(run->views[0].T_world_camera, PoseOf(5));
+  ASSERT_EQ(run->views[0].depth.width, kWidth);
   EXPECT_FLOAT_EQ(run->views[0].depth.at(0, 0), 0.5F);
   EXPECT_TRUE(run->views[0].detections.empty());
 }

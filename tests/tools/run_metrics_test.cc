@@ -184,6 +184,7 @@ TEST(RunMetrics, TwoInstancesOfOneModelGoWithTheNearest) {
   }
   // One estimate for two objects: one of them is missing. A third is one too many.
   EXPECT_FALSE(MeasureRun(RunOf({estimates[0]}), setup).Within(0.03, 0.003));
+  EXPECT_FALSE(MeasureRun(RunOf({estimates[0]}), setup).objects[0].instance.has_value());
   EXPECT_EQ(MeasureRun(RunOf({estimates[0]}), setup).objects[1].instance, 5);
   const auto three =
       MeasureRun(RunOf({estimates[0],
@@ -250,6 +251,25 @@ TEST(RunMetrics, WhatIsNotANumberIsNotWithin) {
   }
   metrics.objects[1].fused.back().reset();
   EXPECT_FALSE(metrics.Within(1.0, 1.0));
+}
+
+TEST(RunMetrics, BetterThanTheMedianDetectionIsEveryObject) {
+  RunMetrics metrics;
+  metrics.objects.resize(2);
+  for (ObjectHistory& object : metrics.objects) {
+    object.detected = {PoseError{0.3, 0.0}, PoseError{0.1, 0.0}, PoseError{0.2, 0.0}};
+    object.fused = {PoseError{0.5, 0.0}, PoseError{0.5, 0.0}, PoseError{0.19, 0.0}};
+  }
+  EXPECT_TRUE(metrics.BetterThanMedianDetection());
+  for (const double angle : {0.2, 0.25, kNan}) {
+    metrics.objects[1].fused.back() = PoseError{angle, 0.0};
+    EXPECT_FALSE(metrics.BetterThanMedianDetection()) << angle;
+  }
+  metrics.objects[1].fused.back().reset();
+  EXPECT_FALSE(metrics.BetterThanMedianDetection());
+  metrics.objects[1].fused.back() = PoseError{0.1, 0.0};
+  metrics.objects[1].detected.clear();
+  EXPECT_FALSE(metrics.BetterThanMedianDetection());
 }
 
 TEST(RunMetrics, MedianHasAsManyBelowAsAbove) {
