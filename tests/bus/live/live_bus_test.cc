@@ -120,7 +120,7 @@ TEST(LiveBus, PublishesItsStatus) {
 TEST(LiveBus, ErrorForTooSmallABuffer) {
   VANTAGE_NEEDS_PRIVATE_NETWORK();
   LiveBus::Options options;
-  options.url = "udpm://239.255.76.67:7667?recv_buf_size=4096";
+  options.url = kUrl;
   options.name = "test";
   options.receive_buffer_bytes = 1 << 30;
   options.min_receive_buffer_bytes = 1 << 30;
@@ -128,6 +128,11 @@ TEST(LiveBus, ErrorForTooSmallABuffer) {
   ASSERT_FALSE(bus.ok());
   EXPECT_NE(bus.error().message.find("sysctl -w net.core.rmem_max="), std::string::npos)
       << bus.error().message;
+  options.url = "udpm://239.255.76.67:7667?recv_buf_size=4096";
+  const auto asked = LiveBus::Create(options);
+  ASSERT_FALSE(asked.ok());
+  EXPECT_NE(asked.error().message.find("is 4096, expected at least 1073741824"), std::string::npos)
+      << asked.error().message;
 }
 
 TEST(LiveBus, ErrorWithoutRoute) {
