@@ -2,7 +2,6 @@
 
 #include <pthread.h>
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 #include <sstream>
@@ -11,7 +10,7 @@
 
 #include "bus/live_bus.h"
 #include "bus/process_name_lock.h"
-#include "common/format.h"
+#include "nodes/command_line.h"
 
 namespace vantage {
 namespace {
@@ -115,15 +114,7 @@ int RunProcess(int argc,
   app.add_option("--name", options.name, "name of this process, unique on the bus")
       ->capture_default_str();
   app.add_flag("--fresh", options.fresh, "start anew, forgetting a saved state");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    const std::string program = "vantage-" + default_name;
-    return Fail(program,
-                Error{ErrorCode::kInvalidArgument,
-                      Format("%s; see %s --help", error.what(), program.c_str())});
-  }
+  if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
 
   Result<ConfigReader> config = ConfigReader::Open(config_file);
   if (!config) return Fail(options.name, config.error());
