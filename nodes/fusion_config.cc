@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "common/format.h"
+#include "nodes/models_config.h"
 #include "nodes/process.h"
 #include "perception/model/object_model.h"
 
@@ -43,9 +44,6 @@ void ReadFusion(ConfigReader::Table table, FusionConfig* config) {
   table.Read("frames_per_view", &config->views.frames_per_view, 1, 1000);
   table.ReadPath("state_file", &config->state_file);
   config->views.viewpoint = viewpoint;
-  if (Result<void> valid = config->tracker.Validate(); !valid) {
-    table.Fail("w_min", valid.error().message);
-  }
 }
 
 void ReadPlanner(ConfigReader::Table table, FusionConfig* config) {
@@ -63,27 +61,11 @@ void ReadPlanner(ConfigReader::Table table, FusionConfig* config) {
   table.Read("elevations", &candidates.num_elevations, 1, 90);
   table.Read("azimuths", &candidates.num_azimuths, 1, 360);
   table.Read("max_views", &config->views.max_views, 1, kMostViews);
-  if (Result<void> valid = config->views.Validate(); !valid) {
-    table.Fail("elevation_deg", valid.error().message);
-  }
 }
 
-struct ModelNames {
-  std::filesystem::path folder;
-  std::vector<std::string> names;
-};
-
-ModelNames ReadModels(ConfigReader::Table table) {
-  ModelNames models;
-  table.Require("folder");
-  table.Require("use");
-  table.ReadPath("folder", &models.folder);
-  table.Read("use", &models.names);
-  if (models.names.empty() && table.Has("use")) table.Fail("use", "expected at least one model");
-  for (const std::string& name : models.names) {
-    if (Result<void> fits = CheckModelId(name); !fits) table.Fail("use", fits.error().message);
-  }
-  return models;
+// Several keys that don't go together.
+Error OfTable(const char* table, const Error& error) {
+  return {error.code, Format("[%s] %s", table, error.message.c_str())};
 }
 
 }  // namespace
@@ -92,10 +74,18 @@ Result<FusionConfig> ReadFusionConfig(ConfigReader& config) {
   FusionConfig result;
   ReadFusion(config.Root().Sub("fusion"), &result);
   ReadPlanner(config.Root().Sub("planner"), &result);
-  const ModelNames models = ReadModels(config.Root().Sub("models"));
+  const ModelsConfig models = ReadModelsConfig(config);
   IgnoreTablesOfOthers(config);
   if (Result<void> read = config.Finish(); !read) return read.error();
-  for (const std::string& name : models.names) {
+  if (Result<void> valid = result.tracker.Validate(); !valid) {
+    return OfTable("fusion", valid.error());
+  }
+  if (Result<void> valid = result.views.Validate(); !valid) {
+    return OfTable("planner", valid.error());
+  }
+  const Result<std::vector<std::string>> names = FindModels(models);
+  if (!names) return names.error();
+  for (const std::string& name : *names) {
     const Result<ObjectModel> model = LoadObjectModel(models.folder / name);
     if (!model) return model.error();
     result.models[name] = TrackedModel{model->center, model->diameter};

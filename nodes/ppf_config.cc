@@ -1,7 +1,6 @@
 #include "nodes/ppf_config.h"
 
 #include <algorithm>
-#include <system_error>
 
 #include "common/format.h"
 #include "nodes/process.h"
@@ -83,35 +82,6 @@ void ReadRefinement(ConfigReader::Table table, RefinementParameters* parameters)
   table.Read("model_error_m", &parameters->model_error, 0.0, 0.1);
 }
 
-// Names of the model folders in a folder, in order.
-Result<std::vector<std::string>> ModelsIn(const fs::path& folder) {
-  std::error_code error;
-  std::vector<std::string> names;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    std::error_code ignored;
-    if (fs::is_regular_file(entry->path() / "model.toml", ignored)) {
-      names.push_back(entry->path().filename().string());
-    }
-  }
-  if (error) {
-    return Error{ErrorCode::kNotFound,
-                 Format("[models] folder %s can't be read (%s); expected a folder that holds one "
-                        "folder a model: vantage-model generate --output %s",
-                        folder.c_str(),
-                        error.message().c_str(),
-                        folder.c_str())};
-  }
-  std::ranges::sort(names);
-  return names;
-}
-
-std::string Joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
-}
-
 Result<PpfEstimator::Model> LoadPpfModel(const fs::path& folder,
                                          const PpfTableParameters& parameters) {
   Result<ObjectModel> object = LoadObjectModel(folder);
@@ -139,10 +109,7 @@ Result<PpfConfig> ReadPpfConfig(ConfigReader& config) {
   result.seed = static_cast<uint64_t>(seed);
   ppf.Read("rest_window_s", &result.rest_window_s, 0.0, 5.0);
   ReadMatching(ppf, &result.estimator);
-  ConfigReader::Table models = root.Sub("models");
-  models.Require("folder");
-  models.ReadPath("folder", &result.models);
-  models.Read("use", &result.use);
+  result.models = ReadModelsConfig(config);
   ReadSegmentation(root.Sub("segmentation"), &result.estimator.segmentation);
   ReadVerification(root.Sub("verification"), &result.estimator.verification);
   ReadRefinement(root.Sub("refinement"), &result.estimator.refinement);
@@ -152,30 +119,13 @@ Result<PpfConfig> ReadPpfConfig(ConfigReader& config) {
   return result;
 }
 
-Result<std::vector<PpfEstimator::Model>> LoadPpfModels(const fs::path& folder,
-                                                       const std::vector<std::string>& use,
+Result<std::vector<PpfEstimator::Model>> LoadPpfModels(const ModelsConfig& config,
                                                        const PpfTableParameters& parameters) {
-  const Result<std::vector<std::string>> there = ModelsIn(folder);
-  if (!there) return there.error();
-  if (there->empty()) {
-    return Error{ErrorCode::kNotFound,
-                 Format("[models] folder %s holds no model; make some with: vantage-model generate "
-                        "--output %s",
-                        folder.c_str(),
-                        folder.c_str())};
-  }
+  const Result<std::vector<std::string>> names = FindModels(config);
+  if (!names) return names.error();
   std::vector<PpfEstimator::Model> models;
-  for (const std::string& name : use.empty() ? *there : use) {
-    if (std::ranges::find(*there, name) == there->end()) {
-      return Error{
-          ErrorCode::kNotFound,
-          Format("[models] use names \"%s\", which is not in %s; there are: %s; others come "
-                 "from: vantage-model generate, or vantage-model build",
-                 name.c_str(),
-                 folder.c_str(),
-                 Joined(*there).c_str())};
-    }
-    Result<PpfEstimator::Model> model = LoadPpfModel(folder / name, parameters);
+  for (const std::string& name : *names) {
+    Result<PpfEstimator::Model> model = LoadPpfModel(config.folder / name, parameters);
     if (!model) return model.error();
     models.push_back(std::move(model).value());
   }

@@ -1,23 +1,22 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "common/result.h"
 #include "nodes/config_reader.h"
+#include "nodes/models_config.h"
 #include "perception/ppf/ppf_estimator.h"
 
 namespace vantage {
 
 /// What [ppf], [models], [segmentation], [verification] and [refinement] say.
 struct PpfConfig {
-  std::string camera;            ///< the <NAME> of the channels
-  uint64_t seed = 1;             ///< of all random choices
-  double rest_window_s = 0.15;   ///< s before and after an image in which the camera rests
-  std::filesystem::path models;  ///< folder with one folder a model
-  std::vector<std::string> use;  ///< names of these; empty: all
+  std::string camera;           ///< the <NAME> of the channels
+  uint64_t seed = 1;            ///< of all random choices
+  double rest_window_s = 0.15;  ///< s before and after an image in which the camera rests
+  ModelsConfig models;
   PpfEstimatorParameters estimator;
 };
 
@@ -26,11 +25,9 @@ struct PpfConfig {
 /// Errors: the first of the whole file, also of keys that nobody knows.
 Result<PpfConfig> ReadPpfConfig(ConfigReader& config);
 
-/// The models of `folder` named in `use`, or all, with their matching tables: those in the folder
-/// if they fit, trained otherwise.
-/// Errors: no such folder, no model in it, a name that is not there, a model that can't be read.
-Result<std::vector<PpfEstimator::Model>> LoadPpfModels(const std::filesystem::path& folder,
-                                                       const std::vector<std::string>& use,
+/// The models in use with their matching tables: those in the folder if they fit, trained
+/// otherwise. Errors: FindModels(); a model that can't be read.
+Result<std::vector<PpfEstimator::Model>> LoadPpfModels(const ModelsConfig& config,
                                                        const PpfTableParameters& parameters);
 
 }  // namespace vantage

@@ -191,7 +191,7 @@ Result<std::unique_ptr<Node>> MakePpfNode(Bus& bus,
   const Result<PpfConfig> read = ReadPpfConfig(config);
   if (!read) return read.error();
   Result<std::vector<PpfEstimator::Model>> models =
-      LoadPpfModels(read->models, read->use, read->estimator.table);
+      LoadPpfModels(read->models, read->estimator.table);
   if (!models) return models.error();
   Result<std::unique_ptr<PpfEstimator>> estimator =
       PpfEstimator::Create(std::move(models).value(), read->estimator);

@@ -532,19 +532,32 @@ TEST(FusionConfig, ReadsTheDemosTables) {
 }
 
 TEST(FusionConfig, WrongKeysAreNamed) {
-  const std::string models = "[models]\nfolder = \"models\"\nuse = [\"mug\"]\n";
+  const std::string folder = "[models]\nfolder = \"" VANTAGE_SOURCE_DIR "/models\"\n";
+  const std::string models = folder + "use = [\"mug\"]\n";
   for (const auto& [text, word] : std::vector<std::pair<std::string, std::string>>{
-           {"[fusion]\nsigma = 4.0\n" + models, "sigma"},
-           {"[fusion]\nk = 500\n" + models, "k"},
-           {"[fusion]\nw_min = 0.95\n" + models, "w_min"},
-           {"[planner]\nelevation_deg = [70.0, 30.0]\n" + models, "elevation_deg"},
-           {"[planner]\nradius_m = -1.0\n" + models, "radius_m"},
-           {"[fusion]\n", "folder"},
-           {"[models]\nfolder = \"models\"\nuse = []\n", "use"},
-           {"[models]\nfolder = \"models\"\nuse = [\"teapot\"]\n", "teapot"}}) {
+           {"[fusion]\nsigma = 4.0\n" + models, "fusion.sigma = 4"},
+           {"[fusion]\nk = 500\n" + models, "fusion.k = 500"},
+           {"[planner]\nradius_m = -1.0\n" + models, "planner.radius_m = -1"},
+           {"[fusion]\n", "models.folder: missing"},
+           {folder + "use = []\n", "models.use: expected at least one model"},
+           {folder + "use = [\"teapot\"]\n", "use names \"teapot\", which is not in"}}) {
     const Result<FusionConfig> config = ReadText(text);
     ASSERT_FALSE(config.ok()) << text;
     EXPECT_NE(config.error().message.find(word), std::string::npos) << config.error().message;
+  }
+}
+
+// What only several keys together make wrong is told of the table and the values.
+TEST(FusionConfig, WhatDoesNotGoTogetherIsToldAsItIs) {
+  const std::string models =
+      "[models]\nfolder = \"" VANTAGE_SOURCE_DIR "/models\"\nuse = [\"mug\"]\n";
+  for (const auto& [text, start] : std::vector<std::pair<std::string, std::string>>{
+           {"[fusion]\nw_min = 0.95\n" + models, "[fusion] w_min = 0.95 and w_max = 0.9"},
+           {"[planner]\nelevation_deg = [70.0, 30.0]\n" + models,
+            "[planner] elevations from 70 to 30 degrees"}}) {
+    const Result<FusionConfig> config = ReadText(text);
+    ASSERT_FALSE(config.ok()) << text;
+    EXPECT_TRUE(config.error().message.starts_with(start)) << config.error().message;
   }
 }
 

@@ -301,13 +301,13 @@ TEST_F(PpfNodeTest, TakesTheTableInTheModelFolderIfItFits) {
       std::move(PpfTable::Train(model->samples, model->diameter, parameters)).value();
   for (const uint64_t hash : {model->mesh_hash, model->mesh_hash + 1}) {
     ASSERT_TRUE(table.Save(file, hash).ok());
-    const auto models = LoadPpfModels(folder / "models", {}, parameters);
+    const auto models = LoadPpfModels({folder / "models", {}}, parameters);
     ASSERT_TRUE(models.ok());
     ASSERT_EQ(models->size(), 1U);
     EXPECT_EQ((*models)[0].table.num_entries(), table.num_entries());
   }
   parameters.angle_step_deg = 20.0;
-  const auto models = LoadPpfModels(folder / "models", {}, parameters);
+  const auto models = LoadPpfModels({folder / "models", {}}, parameters);
   ASSERT_TRUE(models.ok());
   EXPECT_EQ((*models)[0].table.parameters(), parameters);
   fs::remove(file);

@@ -5,6 +5,7 @@
 
 #include "common/format.h"
 #include "nodes/config_reader.h"
+#include "nodes/models_config.h"
 #include "nodes/ppf_config.h"
 #include "nodes/process.h"
 #include "nodes/sim_config.h"
@@ -38,16 +39,12 @@ Result<ReportSetup> LoadReportSetup(const std::filesystem::path& config_file) {
   setup.camera = ppf->camera;
   if (Result<void> read = ReadSimulation(config_file, &setup); !read) return read.error();
 
-  std::set<std::string> ids(ppf->use.begin(), ppf->use.end());
+  const Result<std::vector<std::string>> names = FindModels(ppf->models);
+  if (!names) return names.error();
+  std::set<std::string> ids(names->begin(), names->end());
   for (const TruthObject& truth : setup.truth) ids.insert(truth.model_id);
-  std::error_code error;
-  if (ppf->use.empty()) {
-    for (const auto& entry : std::filesystem::directory_iterator(ppf->models, error)) {
-      if (entry.is_directory(error)) ids.insert(entry.path().filename().string());
-    }
-  }
   for (const std::string& id : ids) {
-    Result<ObjectModel> model = LoadObjectModel(ppf->models / id);
+    Result<ObjectModel> model = LoadObjectModel(ppf->models.folder / id);
     if (!model) return model.error();
     setup.models.emplace(id, std::move(model).value());
   }
