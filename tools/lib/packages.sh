@@ -12,7 +12,7 @@ install_packages() {
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null || {
-      echo "packages missing: ${missing[*]}; run as root: apt-get install ${missing[*]}" >&2
+      echo "packages missing: ${missing[*]}; run as root: apt-get install --no-install-recommends ${missing[*]}" >&2
       return 2
     }
     as_root=(sudo)
