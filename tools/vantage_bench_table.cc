@@ -200,6 +200,16 @@ Result<bool> Run(const Options& options) {
   return all_met;
 }
 
+// The file's structure is Google Benchmark's or it is refused: values of other types throw.
+Result<bool> RunChecked(const Options& options) {
+  try {
+    return Run(options);
+  } catch (const json::exception& exception) {
+    return Error{ErrorCode::kCorrupt,
+                 options.raw + " is no output of Google Benchmark: " + exception.what()};
+  }
+}
+
 }  // namespace
 }  // namespace vantage
 
@@ -214,7 +224,7 @@ int main(int argc, char** argv) {
   app.add_option("--output", options.output, "JSON to write")->required();
   app.add_flag("--check", options.check, "exit 1 when a bar is not met");
   if (const std::optional<int> code = vantage::ParseCommandLine(app, argc, argv)) return *code;
-  const vantage::Result<bool> met = vantage::Run(options);
+  const vantage::Result<bool> met = vantage::RunChecked(options);
   if (!met) {
     std::fprintf(stderr, "vantage-bench-table: %s\n", met.error().message.c_str());
     return 2;

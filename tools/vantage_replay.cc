@@ -61,7 +61,6 @@ Result<ConfigReader> OpenConfig(const Arguments& arguments) {
   if (!arguments.config.empty()) return ConfigReader::Open(arguments.config);
   const Result<ConfigText> text = ConfigFromHeader(arguments.log);
   if (!text) return text.error();
-  std::fprintf(stderr, "vantage-replay: configuration from the log's LOG_HEADER\n");
   return ConfigReader::Parse(text->text, arguments.log + " LOG_HEADER");
 }
 
@@ -140,6 +139,9 @@ Result<void> Replay(const Arguments& arguments) {
   if (!reader) return reader.error();
   Result<ConfigReader> config = OpenConfig(arguments);
   if (!config) return config.error();
+  if (arguments.config.empty()) {
+    std::fprintf(stderr, "vantage-replay: configuration from the log's LOG_HEADER\n");
+  }
   const Result<PpfConfig> ppf_config = ReadPpfConfig(*config);
   if (!ppf_config) return ppf_config.error();
 

@@ -16,7 +16,8 @@ std::vector<std::string> BrokenLinks(const fs::path& document) {
   std::ifstream stream(document);
   std::ostringstream text;
   text << stream.rdbuf();
-  const std::string content = text.str();
+  static const std::regex kCode(R"(```[^]*?```|`[^`\n]*`)");
+  const std::string content = std::regex_replace(text.str(), kCode, "");
   static const std::regex kLink(R"(\]\(([^)#\s]+)[^)]*\))");
   std::vector<std::string> broken;
   for (std::sregex_iterator it(content.begin(), content.end(), kLink), end; it != end; ++it) {
