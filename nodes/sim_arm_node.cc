@@ -1,5 +1,6 @@
 #include "nodes/sim_arm_node.h"
 
+#include <chrono>
 #include <span>
 #include <utility>
 
@@ -39,25 +40,31 @@ Result<Pose> SelectedPose(const next_view_t& view) {
 
 }  // namespace
 
-SimArmNode::SimArmNode(Bus& bus, const SimArmParameters& parameters, const std::string& camera_name)
+SimArmNode::SimArmNode(Bus& bus,
+                       const SimArmParameters& parameters,
+                       const std::string& camera_name,
+                       SteadyClock steady_us)
     : bus_(bus),
       arm_(parameters),
       camera_name_(camera_name),
       pose_channel_("CAMERA_" + camera_name + "_TO_WORLD"),
-      start_utime_(bus.NowUtime()) {}
+      steady_us_(std::move(steady_us)),
+      start_us_(steady_us_()),
+      next_pose_us_(start_us_),
+      next_status_us_(start_us_) {}
 
 Result<void> SimArmNode::Subscribe() {
   return bus_.Subscribe<next_view_t>(
       "NEXT_VIEW", {}, [this](const Envelope&, const next_view_t& view) { HandleNextView(view); });
 }
 
-double SimArmNode::Seconds(int64_t utime) const {
-  return 1e-6 * static_cast<double>(utime - start_utime_);
+double SimArmNode::Seconds(int64_t steady_us) const {
+  return 1e-6 * static_cast<double>(steady_us - start_us_);
 }
 
 void SimArmNode::HandleNextView(const next_view_t& view) {
   if (view.selected == -1) return;  // Stay.
-  const int64_t now = bus_.NowUtime();
+  const int64_t now = steady_us_();
   const Result<Pose> pose = SelectedPose(view);
   if (!pose) {
     refusal_ = pose.error().message;
@@ -75,26 +82,24 @@ void SimArmNode::HandleNextView(const next_view_t& view) {
 }
 
 void SimArmNode::Poll() {
-  const int64_t now = bus_.NowUtime();
-  if (now >= next_pose_utime_ || now < next_pose_utime_ - kPosePeriod) PublishPose(now);
+  const int64_t now = steady_us_();
+  if (now >= next_pose_us_) PublishPose(now);
   const bool moving = arm_.Remaining(Seconds(now)) > 0.0;
   const bool changed = moving != (last_state_ == arm_status_t::MOVING);
-  if (changed || now >= next_status_utime_ || now < next_status_utime_ - kStatusPeriod) {
-    PublishStatus(now);
-  }
+  if (changed || now >= next_status_us_) PublishStatus(now);
 }
 
 void SimArmNode::PublishPose(int64_t now) {
-  next_pose_utime_ = NextTime(next_pose_utime_, now, kPosePeriod);
+  next_pose_us_ = NextTime(next_pose_us_, now, kPosePeriod);
   const Result<void> sent =
-      bus_.Publish(pose_channel_, PoseToMessage(arm_.PoseAt(Seconds(now)), now));
+      bus_.Publish(pose_channel_, PoseToMessage(arm_.PoseAt(Seconds(now)), bus_.NowUtime()));
   bus_.SetState(sent ? "ok" : sent.error().message);
 }
 
 void SimArmNode::PublishStatus(int64_t now) {
-  next_status_utime_ = NextTime(next_status_utime_, now, kStatusPeriod);
+  next_status_us_ = NextTime(next_status_us_, now, kStatusPeriod);
   arm_status_t status{};
-  status.utime = now;
+  status.utime = bus_.NowUtime();
   status.seq = status_seq_++;
   status.name = camera_name_;
   status.remaining = arm_.Remaining(Seconds(now));
@@ -116,7 +121,12 @@ Result<std::unique_ptr<Node>> MakeSimArmNode(Bus& bus,
   IgnoreTablesOfOthers(config);
   if (Result<void> read = config.Finish(); !read) return read.error();
   if (!sim) return sim.error();
-  auto node = std::make_unique<SimArmNode>(bus, sim->arm, sim->camera_name);
+  const auto steady_us = [] {
+    return std::chrono::duration_cast<std::chrono::microseconds>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  };
+  auto node = std::make_unique<SimArmNode>(bus, sim->arm, sim->camera_name, steady_us);
   if (Result<void> subscribed = node->Subscribe(); !subscribed) return subscribed.error();
   return std::unique_ptr<Node>(std::move(node));
 }

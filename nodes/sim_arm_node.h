@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,10 +18,17 @@
 namespace vantage {
 
 /// The simulated robot on the bus: carries the camera where NEXT_VIEW says, publishes
-/// CAMERA_<NAME>_TO_WORLD at 100 Hz and ARM_STATUS at 10 Hz and after every change.
+/// CAMERA_<NAME>_TO_WORLD at 100 Hz and ARM_STATUS at 10 Hz and after every change. It moves by a
+/// clock that nobody sets, as a robot does; its messages have the time of the bus.
 class SimArmNode : public Node {
  public:
-  SimArmNode(Bus& bus, const SimArmParameters& parameters, const std::string& camera_name);
+  /// us since some start; never goes back.
+  using SteadyClock = std::function<int64_t()>;
+
+  SimArmNode(Bus& bus,
+             const SimArmParameters& parameters,
+             const std::string& camera_name,
+             SteadyClock steady_us);
 
   /// Errors: the bus refuses the subscription.
   Result<void> Subscribe();
@@ -34,15 +42,16 @@ class SimArmNode : public Node {
   void HandleNextView(const next_view_t& view);
   void PublishPose(int64_t now);
   void PublishStatus(int64_t now);
-  [[nodiscard]] double Seconds(int64_t utime) const;
+  [[nodiscard]] double Seconds(int64_t steady_us) const;
 
   Bus& bus_;
   SimArm arm_;
   const std::string camera_name_;
   const std::string pose_channel_;
-  const int64_t start_utime_;
-  int64_t next_pose_utime_ = 0;
-  int64_t next_status_utime_ = 0;
+  const SteadyClock steady_us_;
+  const int64_t start_us_;  // Of the steady clock, as the two below.
+  int64_t next_pose_us_;
+  int64_t next_status_us_;
   int64_t status_seq_ = 0;
   int8_t last_state_ = -1;
   // The last view that was decided on.

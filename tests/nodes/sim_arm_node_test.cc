@@ -76,12 +76,14 @@ next_view_t NextView(int64_t seq, const Pose& pose) {
 
 class SimArmNodeTest : public ::testing::Test {
  protected:
-  SimArmNodeTest() : node_(bus_, SimArmParameters{}, "XTION") {
+  SimArmNodeTest() : node_(bus_, SimArmParameters{}, "XTION", [this] { return steady_us_; }) {
     EXPECT_TRUE(node_.Subscribe().ok());
   }
   void Run(double seconds) {
-    for (int64_t end = bus_.now + std::llround(1e6 * seconds); bus_.now < end; bus_.now += 5000) {
+    for (int64_t us = 0; us < std::llround(1e6 * seconds); us += 5000) {
       node_.Poll();
+      bus_.now += 5000;
+      steady_us_ += 5000;
     }
   }
   arm_status_t LastStatus() { return bus_.Take<arm_status_t>("ARM_STATUS").back(); }
@@ -90,6 +92,7 @@ class SimArmNodeTest : public ::testing::Test {
   }
 
   TestBus bus_;
+  int64_t steady_us_ = 77'000'000;
   SimArmNode node_;
 };
 
@@ -181,6 +184,29 @@ TEST_F(SimArmNodeTest, AClockThatIsSetBackDoesNotSilenceIt) {
   Run(0.5);
   EXPECT_GE(bus_.Take<rigid_transform_t>("CAMERA_XTION_TO_WORLD").size(), 49U);
   EXPECT_GE(bus_.Take<arm_status_t>("ARM_STATUS").size(), 4U);
+}
+
+TEST_F(SimArmNodeTest, AClockThatIsSetDoesNotMoveTheArm) {
+  bus_.Send("NEXT_VIEW", NextView(1, View(90.0, 60.0)));
+  Run(1.0);
+  for (const int64_t step : {-2'000'000LL, 2'000'000LL, -3'600'000'000LL}) {
+    const rigid_transform_t before = bus_.Take<rigid_transform_t>("CAMERA_XTION_TO_WORLD").back();
+    const Eigen::Vector3d p_before = PoseFromMessage(before)->translation();
+    bus_.now += step;
+    Run(0.1);
+    const auto poses = bus_.Take<rigid_transform_t>("CAMERA_XTION_TO_WORLD");
+    EXPECT_GE(poses.size(), 9U);
+    // Stamped with the clock as it is now, and where it was with no step.
+    EXPECT_NEAR(1e-6 * static_cast<double>(poses.front().utime - before.utime - step), 0.01, 0.011);
+    const double moved = (PoseFromMessage(poses.front())->translation() - p_before).norm();
+    EXPECT_LT(moved, 1.1 * 0.02 * SimArmParameters().speed);
+    EXPECT_GT((PoseFromMessage(poses.back())->translation() - p_before).norm(), 0.01);
+    bus_.Send("NEXT_VIEW", NextView(1, View(90.0, 60.0)));  // Said again: nothing new.
+    bus_.sent["CAMERA_XTION_TO_WORLD"].push_back(Encode(poses.back()));
+  }
+  Run(20.0);
+  EXPECT_EQ(LastStatus().state, arm_status_t::RESTING);
+  EXPECT_LT((LastPose().translation() - View(90.0, 60.0).translation()).norm(), 1e-9);
 }
 
 TEST(MakeSimArmNode, NamesAWrongKey) {
