@@ -91,7 +91,7 @@ class Openni2Node : public Node {
   std::unique_ptr<Openni2Camera> camera_;  // Of the capture thread once that runs.
   RateLimiter limiter_;                    // Of the capture thread.
   Commands settings_;                      // Of the capture thread: in force, for a device anew.
-  int64_t settings_reconnects_ = 0;        // Of the capture thread.
+  int64_t settings_reconnects_ = -1;       // Of the capture thread; -1: no device had them yet.
   bool told_absent_ = false;               // Of the capture thread.
 
   int64_t image_seq_ = 0;  // Of the publishing thread.
@@ -190,7 +190,7 @@ void Openni2Node::Obey() {
   }
   if (commands.rate_hz) limiter_.SetRate(*commands.rate_hz);
   if (commands.restart) camera_->Restart();
-  // A device that came back has forgotten its settings.
+  // A device that came knows no settings yet, one that came back has forgotten them.
   const CameraStatus& status = camera_->status();
   const bool streaming = status.state == CameraState::kStreaming;
   const bool anew = streaming && status.num_reconnects != settings_reconnects_;

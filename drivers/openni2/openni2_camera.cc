@@ -59,12 +59,12 @@ void Openni2Camera::Restart() {
 }
 
 Result<void> Openni2Camera::SetExposure(int exposure_us) {
-  if (device_ == nullptr) return Error{ErrorCode::kUnavailable, "exposure not set: no device"};
+  if (device_ == nullptr) return Error{ErrorCode::kUnavailable, "exposure not set: no device yet"};
   return device_->SetExposure(exposure_us);
 }
 
 Result<void> Openni2Camera::SetGain(int gain) {
-  if (device_ == nullptr) return Error{ErrorCode::kUnavailable, "gain not set: no device"};
+  if (device_ == nullptr) return Error{ErrorCode::kUnavailable, "gain not set: no device yet"};
   return device_->SetGain(gain);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <map>
 #include <mutex>
@@ -106,6 +107,7 @@ class Openni2NodeTest : public testing::Test {
   FakeHost host_;
   std::function<void()> step_;
   int num_steps_ = 0;  // Of the capture thread.
+  std::atomic<bool> plugged_ = false;
   MemoryBus bus_;
   Openni2Config config_;
   std::unique_ptr<Node> node_;  // Last: its threads end first.
@@ -219,6 +221,26 @@ TEST_F(Openni2NodeTest, ObeysCommands) {
   ASSERT_TRUE(PollUntil([this] {
     return Statuses().back().message.find("command ignored: rate = nan") != std::string::npos;
   }));
+  node_.reset();
+  EXPECT_EQ(host_.exposure_us, 5000);
+}
+
+TEST_F(Openni2NodeTest, SettingsAskedForBeforeThereIsADeviceAreApplied) {
+  host_.devices.clear();
+  step_ = [this] {
+    if (plugged_ && host_.devices.empty()) host_.devices["usb/1"] = {.serial = "A"};
+  };
+  Start();
+  camera_command_t command{};
+  command.exposure_us = 5000;
+  command.gain = -1;
+  bus_.Deliver("CAMERA_XTION_COMMAND", command);
+  ASSERT_TRUE(PollUntil([this] {
+    return !Statuses().empty() &&
+           Statuses().back().message.find("exposure not set: no device yet") != std::string::npos;
+  }));
+  plugged_ = true;
+  ASSERT_TRUE(PollUntil([this] { return Images().size() >= 3; }));
   node_.reset();
   EXPECT_EQ(host_.exposure_us, 5000);
 }
