@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <string_view>
 
 #include "common/format.h"
@@ -27,14 +28,31 @@ bool WriteAll(int descriptor, std::string_view bytes) {
   return true;
 }
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+void LimitMemory(size_t /*bytes*/) {}
+#else
+// Beyond the address space that the process has already.
+void LimitMemory(size_t bytes) {
+  std::ifstream statm("/proc/self/statm");
+  rlim_t pages = 0;
+  if (!(statm >> pages)) return;
+  const rlim_t limit = pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) + bytes;
+  const rlimit memory{limit, limit};
+  ::setrlimit(RLIMIT_AS, &memory);
+}
+#endif
+
 // The child's life: quiet, without a core file, and not for ever.
-[[noreturn]] void Work(const std::function<std::string()>& work, unsigned int seconds, int output) {
+[[noreturn]] void Work(const std::function<std::string()>& work,
+                       const IsolationLimits& limits,
+                       int output) {
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
   const int quiet = ::open("/dev/null", O_WRONLY);
   if (quiet >= 0) ::dup2(quiet, STDERR_FILENO);
   for (const int signal : {SIGABRT, SIGSEGV, SIGALRM}) ::signal(signal, SIG_DFL);
-  ::alarm(seconds);
+  LimitMemory(limits.memory);
+  ::alarm(limits.seconds);
   ::_exit(WriteAll(output, work()) ? 0 : 1);
 }
 
@@ -57,13 +75,14 @@ Result<std::string> ReadBack(int descriptor) {
 
 }  // namespace
 
-Result<std::string> RunIsolated(const std::function<std::string()>& work, unsigned int seconds) {
+Result<std::string> RunIsolated(const std::function<std::string()>& work,
+                                const IsolationLimits& limits) {
   const int output = ::memfd_create("vantage-isolated", MFD_CLOEXEC);
   if (output < 0) {
     return Error{ErrorCode::kIo, Format("child process: %s", std::strerror(errno))};
   }
   const pid_t child = ::fork();
-  if (child == 0) Work(work, seconds, output);
+  if (child == 0) Work(work, limits, output);
   int status = 0;
   pid_t ended = child;
   if (child > 0) {
@@ -75,7 +94,7 @@ Result<std::string> RunIsolated(const std::function<std::string()>& work, unsign
   if (child < 0 || ended < 0) {
     bytes = Error{ErrorCode::kIo, Format("child process: %s", std::strerror(errno))};
   } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM) {
-    bytes = Error{ErrorCode::kCorrupt, Format("not done after %u s", seconds)};
+    bytes = Error{ErrorCode::kCorrupt, Format("not done after %u s", limits.seconds)};
   } else if (WIFSIGNALED(status)) {
     bytes = Error{ErrorCode::kCorrupt, Format("died of signal %d", WTERMSIG(status))};
   } else if (WEXITSTATUS(status) == 0) {

@@ -117,7 +117,11 @@ std::string ImportWithAssimp(const std::string& bytes, const std::string& suffix
         bytes.size(),
         aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices,
         suffix.c_str());
-    if (scene == nullptr) return kErrorFollows + std::string(importer.GetErrorString());
+    if (scene == nullptr) {
+      const std::string why = importer.GetErrorString();
+      return kErrorFollows +
+             (why == "std::bad_alloc" ? "it takes too much memory for its size" : why);
+    }
     return JoinParts(*scene);
   } catch (const std::exception& exception) {
     return kErrorFollows + std::string(exception.what());
@@ -171,9 +175,12 @@ Result<TriangleMesh> ImportMesh(const std::filesystem::path& file, double scale)
   if (suffix == ".ply") {
     if (Result<void> counts = CheckPlyCounts(file, *bytes); !counts) return counts.error();
   }
-  constexpr unsigned int kPatience = 300;  // s
-  const Result<std::string> imported = RunIsolated(
-      [&bytes, &suffix] { return ImportWithAssimp(*bytes, suffix.substr(1)); }, kPatience);
+  // Of text with the shortest lines the importer makes up to 35 times its bytes. What the lists in
+  // a PLY claim to hold may be any number.
+  constexpr size_t kMemoryPerByte = 100;
+  const IsolationLimits limits{.memory = (size_t{1} << 30U) + kMemoryPerByte * bytes->size()};
+  const Result<std::string> imported =
+      RunIsolated([&bytes, &suffix] { return ImportWithAssimp(*bytes, suffix.substr(1)); }, limits);
   if (!imported) return NoMesh(file, "the importer " + imported.error().message);
   return TakeMesh(file, *imported, scale);
 }

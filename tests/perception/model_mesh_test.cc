@@ -4,11 +4,14 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <new>
 #include <sstream>
 #include <string>
 
+#include "common/format.h"
 #include "common/rng.h"
 #include "perception/model/file_bytes.h"
+#include "perception/model/isolated_work.h"
 #include "perception/model/mesh_check.h"
 #include "perception/model/mesh_import.h"
 #include "perception/model/mesh_primitives.h"
@@ -18,6 +21,8 @@
 
 namespace vantage {
 namespace {
+
+using namespace std::string_literals;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
@@ -199,6 +204,41 @@ TEST(MeshImport, NamesWhatIsWrong) {
   hostile.replace(hostile.find("face 4"), 6, "face -1");
   ExpectHas(refusal("negative.ply", hostile), "expected a count that fits");
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+TEST(IsolatedWork, MemoryIsRefusedBeyondTheLimit) {
+  const auto take = [](size_t bytes) {
+    const IsolationLimits limits{.memory = size_t{64} << 20U};
+    return *RunIsolated(
+        [bytes] {
+          try {
+            return Format("took %zu", std::string(bytes, 'x').size());
+          } catch (const std::bad_alloc&) {
+            return std::string("refused");
+          }
+        },
+        limits);
+  };
+  EXPECT_EQ(take(size_t{32} << 20U), "took 33554432");
+  EXPECT_EQ(take(size_t{128} << 20U), "refused");
+}
+
+// Of 4 kB and with sound counts of elements, but a face that claims 300 million corners.
+TEST(MeshImport, ListsThatTheFileCannotHoldTakeLittleMemory) {
+  const ScratchFolder scratch;
+  std::string bytes =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float "
+      "y\nproperty float z\nelement face 4\nproperty list uint int vertex_indices\nend_header\n";
+  bytes += std::string(48, '\0') + "\x00\xa3\xe1\x11"s + std::string(3900, '\0');
+  const std::filesystem::path file = scratch.path() / "list.ply";
+  ASSERT_TRUE(WriteFileBytes(file, bytes).ok());
+  const Result<TriangleMesh> mesh = ImportMesh(file, 1.0);
+  ASSERT_FALSE(mesh.ok());
+  ExpectHas(mesh.error().message, "too much memory");
+}
+
+#endif
 
 // Whatever is cut off or changed: a mesh or an error, never a crash, and what is a mesh passes or
 // fails the check.
