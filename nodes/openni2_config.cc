@@ -81,9 +81,11 @@ Result<CameraCalibration> LoadCameraCalibration(const std::filesystem::path& fil
   table.Read("fy_px", &model.fy, 1.0, kLongest);
   table.Read("cx_px", &model.cx, -kLongest, kLongest);
   table.Read("cy_px", &model.cy, -kLongest, kLongest);
-  table.ReadChoice("distortion_model", &calibration.distortion_model, {"none", "brown_conrady"});
-  table.ReadNumbers("distortion", 5, -100.0, 100.0, &calibration.distortion);
-  if (calibration.distortion_model == "brown_conrady") {
+  std::string distortion_model = "none";
+  std::vector<double> distortion;
+  table.ReadChoice("distortion_model", &distortion_model, {"none", "brown_conrady"});
+  table.ReadNumbers("distortion", 5, -100.0, 100.0, &distortion);
+  if (distortion_model == "brown_conrady") {
     table.Require("distortion");
   } else if (table.Has("distortion")) {
     table.Fail("distortion", "expected distortion_model = \"brown_conrady\" beside it");
@@ -91,6 +93,10 @@ Result<CameraCalibration> LoadCameraCalibration(const std::filesystem::path& fil
   if (Result<void> read = reader->Finish(); !read) return read.error();
   if (Result<void> valid = model.Validate(); !valid) {
     return Error{valid.error().code, file.string() + ": " + valid.error().message};
+  }
+  if (distortion_model == "brown_conrady") {
+    calibration.distortion.emplace();
+    std::ranges::copy(distortion, calibration.distortion->begin());
   }
   calibration.id = file.filename().string() + "#" + reader->Hash();
   return calibration;

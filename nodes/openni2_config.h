@@ -16,9 +16,8 @@ namespace vantage {
 /// Intrinsics and distortion out of a calibration file.
 struct CameraCalibration {
   CameraModel model;
-  std::string distortion_model = "none";  ///< or "brown_conrady"
-  std::vector<double> distortion;         ///< k1 k2 p1 p2 k3, no unit; empty for "none"
-  std::string id;                         ///< file's name and the hash of its content
+  std::optional<BrownConrady> distortion;  ///< taken out of the depth before it is published
+  std::string id;                          ///< file's name and the hash of its content
 };
 
 /// Reads a calibration file (TOML, see docs/camera-drivers.md).

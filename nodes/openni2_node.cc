@@ -123,7 +123,10 @@ Result<void> Openni2Node::Start(std::unique_ptr<DepthDeviceApi> api) {
   Openni2Camera::Options options;
   options.device = config_.device;
   options.stream = config_.stream;
-  if (config_.calibration) options.calibration = config_.calibration->model;
+  if (config_.calibration) {
+    options.calibration = config_.calibration->model;
+    options.distortion = config_.calibration->distortion;
+  }
   options.stall_timeout = milliseconds(std::llround(1e3 * config_.stall_timeout_s));
   options.on_change = [this](const CameraStatus& status) {
     Tell(status);
@@ -351,12 +354,7 @@ void Openni2Node::PublishInfo(const InfoContent& info) {
   identity.frame = channel_;
   identity.registered = info.registered;
   identity.calibration_id = config_.calibration ? config_.calibration->id : "field of view";
-  camera_info_t message = CameraToMessage(info.model, identity, bus_.NowUtime(), info_seq_++);
-  if (config_.calibration) {
-    message.distortion_model = config_.calibration->distortion_model;
-    message.distortion = config_.calibration->distortion;
-    message.num_distortion = static_cast<int32_t>(message.distortion.size());
-  }
+  const camera_info_t message = CameraToMessage(info.model, identity, bus_.NowUtime(), info_seq_++);
   (void)bus_.Publish(channel_ + "_INFO", message);
 }
 

@@ -177,6 +177,10 @@ Result<void> Openni2Camera::Adopt(const std::string& uri, const StreamDetails& d
   }
   if (Result<void> valid = model_.Validate(); !valid) return refuse(valid.error().message);
   details_ = details;
+  undistortion_.clear();
+  if (options_.calibration && options_.distortion) {
+    undistortion_ = UndistortionMap(model_, *options_.distortion);
+  }
   clock_.Reset();
   first_device_us_.reset();
   last_frame_us_ = fps_since_us_ = api_->MonotonicUs();
@@ -276,6 +280,7 @@ std::optional<CameraFrame> Openni2Camera::Convert(const RawFrame& raw, int64_t a
   frame.model = model_;
   frame.registered = details_.registered;
   frame.depth_mm = DepthMillimetres(raw.depth, details_);
+  if (!undistortion_.empty()) frame.depth_mm = Undistort(frame.depth_mm, undistortion_);
   if (raw.color) {
     frame.color_width = raw.color->width;
     frame.color_height = raw.color->height;

@@ -14,6 +14,7 @@
 #include "drivers/clock/clock_filter.h"
 #include "drivers/openni2/depth_device.h"
 #include "drivers/openni2/device_selector.h"
+#include "drivers/openni2/undistortion.h"
 
 namespace vantage {
 
@@ -55,6 +56,7 @@ class Openni2Camera {
     DeviceSelector device;
     StreamRequest stream;
     std::optional<CameraModel> calibration;  ///< instead of the fields of view
+    std::optional<BrownConrady> distortion;  ///< of the calibration; taken out of the depth
     bool paced =
         true;  ///< a recording plays at the speed of its making, else as fast as it is read
     std::chrono::milliseconds stall_timeout{1000};  ///< without a frame: stalled; 3 times: reopened
@@ -64,7 +66,7 @@ class Openni2Camera {
     std::function<void(const CameraStatus&)> on_change;
   };
 
-  /// `api` outlives the camera. Errors: a recording that is absent, is none, or can't be opened. An
+  /// Errors: a recording that is absent, is none, or can't be opened. An
   /// absent device is no error.
   static Result<std::unique_ptr<Openni2Camera>> Create(const Options& options,
                                                        std::unique_ptr<DepthDeviceApi> api);
@@ -116,8 +118,9 @@ class Openni2Camera {
   std::unique_ptr<DepthDevice> device_;  // Null while searching.
   StreamDetails details_;
   CameraModel model_;
-  int64_t last_frame_us_ = 0;  // Monotonic.
-  int64_t fps_since_us_ = 0;   // Monotonic.
+  std::vector<int32_t> undistortion_;  // Empty: none.
+  int64_t last_frame_us_ = 0;          // Monotonic.
+  int64_t fps_since_us_ = 0;           // Monotonic.
   int64_t fps_frames_ = 0;
   std::optional<int64_t> first_device_us_;  // Of a recording.
   int64_t first_utime_ = 0;                 // At first_device_us_.

@@ -143,6 +143,37 @@ TEST_F(Openni2NodeTest, PublishesImagesInfoAndStatus) {
   EXPECT_GE(bus_.stages_["capture_to_publish"], 5);
 }
 
+// What estimators are told of the camera is true of the depth that they get.
+TEST_F(Openni2NodeTest, DistortionIsTakenOutBeforeItIsPublished) {
+  CameraCalibration calibration;
+  calibration.model = {.width = FakeHost::kWidth,
+                       .height = FakeHost::kHeight,
+                       .fx = 8.0,
+                       .fy = 8.0,
+                       .cx = 3.5,
+                       .cy = 2.5};
+  calibration.distortion = BrownConrady{1.0, 0.0, 0.0, 0.0, 0.0};
+  config_.calibration = calibration;
+  Start();
+  ASSERT_TRUE(PollUntil([this] {
+    return !Images().empty() && !bus_.Published<camera_info_t>("CAMERA_XTION_INFO").empty();
+  }));
+  const camera_info_t info = bus_.Published<camera_info_t>("CAMERA_XTION_INFO").front();
+  EXPECT_EQ(info.distortion_model, "none");
+  const Result<CameraModel> model = CameraFromMessage(info);
+  ASSERT_TRUE(model.ok()) << model.error().message;
+  EXPECT_EQ(*model, calibration.model);
+  const Result<DepthFrame> frame = DepthFrameFromMessage(Images().front());
+  ASSERT_TRUE(frame.ok()) << frame.error().message;
+  std::vector<uint16_t> taken;  // The fake's pixel i has the depth 500 mm + i.
+  for (int i = 0; i < FakeHost::kWidth * FakeHost::kHeight; ++i) {
+    taken.push_back(static_cast<uint16_t>(500 + i));
+  }
+  const std::vector<int32_t> map = UndistortionMap(calibration.model, *calibration.distortion);
+  EXPECT_EQ(DepthToMillimetres(frame->image), Undistort(taken, map));
+  EXPECT_NE(DepthToMillimetres(frame->image), taken);
+}
+
 TEST_F(Openni2NodeTest, SurvivesUnplugging) {
   step_ = [this] {
     ++num_steps_;
