@@ -179,6 +179,10 @@ void Openni2Node::Capture(const std::stop_token& stop) {
     if (status.state == CameraState::kSearching && !status.message.empty()) Tell(status);
     {
       const std::lock_guard lock(mutex_);
+      if (status.num_clock_steps > status_.num_clock_steps) {
+        Note(Format("the host's or the device's clock was set or started anew (%d times so far)",
+                    status.num_clock_steps));
+      }
       status_ = status;
     }
     if (frame) Offer(*std::move(frame));

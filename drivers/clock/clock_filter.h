@@ -20,7 +20,8 @@ namespace vantage {
 class ClockFilter {
  public:
   struct Parameters {
-    int64_t device_modulus_us = 0;       ///< us at which device time wraps to 0; 0: never
+    /// us at which device time wraps to 0, if it does: stamps of 32 bits do. 0: it never does.
+    int64_t device_modulus_us = int64_t{1} << 32;
     int64_t window_us = 40'000'000;      ///< us of device time that the line is fitted to
     int64_t bucket_us = 500'000;         ///< us; of each bucket the lowest point is kept
     int64_t skew_after_us = 5'000'000;   ///< us of points before a skew is estimated

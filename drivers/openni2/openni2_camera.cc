@@ -296,6 +296,7 @@ std::optional<CameraFrame> Openni2Camera::Convert(const RawFrame& raw, int64_t a
                                : clock_.offset_us();
   status_.clock_offset_s = 1e-6 * offset_us;
   status_.clock_skew_ppm = details_.is_recording ? 0.0 : clock_.skew_ppm();
+  status_.num_clock_steps = clock_.num_steps();
   return frame;
 }
 
@@ -307,10 +308,8 @@ int64_t Openni2Camera::RecordingTime(int64_t device_us) {
     first_utime_ = api_->WallUs();
     first_monotonic_us_ = api_->MonotonicUs();
   }
-  if (options_.paced) {
-    const int64_t wait_us = first_monotonic_us_ + elapsed_us - api_->MonotonicUs();
-    if (wait_us > 0) api_->Sleep(std::chrono::microseconds(std::min(wait_us, kLongestPause)));
-  }
+  const int64_t wait_us = first_monotonic_us_ + elapsed_us - api_->MonotonicUs();
+  if (wait_us > 0) api_->Sleep(std::chrono::microseconds(std::min(wait_us, kLongestPause)));
   return first_utime_ + elapsed_us;
 }
 

@@ -32,6 +32,7 @@ struct CameraStatus {
   double fps = 0.0;             ///< Hz, captured, over the last second or so
   double clock_offset_s = 0.0;  ///< s, host time minus device time
   double clock_skew_ppm = 0.0;  ///< how much faster the host's clock runs
+  int num_clock_steps = 0;      ///< times that one of the two was set or started anew
 };
 
 /// One good frame.
@@ -55,10 +56,8 @@ class Openni2Camera {
   struct Options {
     DeviceSelector device;
     StreamRequest stream;
-    std::optional<CameraModel> calibration;  ///< instead of the fields of view
-    std::optional<BrownConrady> distortion;  ///< of the calibration; taken out of the depth
-    bool paced =
-        true;  ///< a recording plays at the speed of its making, else as fast as it is read
+    std::optional<CameraModel> calibration;         ///< instead of the fields of view
+    std::optional<BrownConrady> distortion;         ///< of the calibration; taken out of the depth
     std::chrono::milliseconds stall_timeout{1000};  ///< without a frame: stalled; 3 times: reopened
     std::chrono::milliseconds search_interval{500};  ///< between looks at the list of devices
     std::chrono::milliseconds retry_interval{2000};  ///< after a device refused to open
@@ -82,8 +81,6 @@ class Openni2Camera {
   Result<void> SetGain(int gain);
 
   [[nodiscard]] const CameraStatus& status() const { return status_; }
-  /// The recording is over.
-  [[nodiscard]] bool finished() const { return finished_; }
 
  private:
   Openni2Camera(const Options& options, std::unique_ptr<DepthDeviceApi> api);
@@ -113,7 +110,7 @@ class Openni2Camera {
   std::map<std::string, std::string> known_serials_;  // By URI; only of devices that are listed.
   int64_t next_attempt_us_ = 0;                       // Monotonic.
   bool was_open_ = false;
-  bool finished_ = false;
+  bool finished_ = false;  // The recording is over.
 
   std::unique_ptr<DepthDevice> device_;  // Null while searching.
   StreamDetails details_;

@@ -276,6 +276,17 @@ TEST_F(Openni2NodeTest, SettingsAskedForBeforeThereIsADeviceAreApplied) {
   EXPECT_EQ(host_.exposure_us, 5000);
 }
 
+TEST_F(Openni2NodeTest, AClockThatStepsIsTold) {
+  step_ = [this] {
+    if (host_.frame_index == 10 && num_steps_++ == 0) host_.wall_offset_us -= 60'000'000;
+  };
+  Start();
+  ASSERT_TRUE(PollUntil([this] {
+    return !Statuses().empty() &&
+           Statuses().back().message.find("was set or started anew (1 times") != std::string::npos;
+  }));
+}
+
 TEST_F(Openni2NodeTest, MalformedFramesAreCountedAndNotSent) {
   for (int i = 0; i < 200; ++i) {
     host_.faults.push_back(i % 2 == 0 ? FakeHost::Fault::kShort : FakeHost::Fault::kNone);
