@@ -255,6 +255,12 @@ TEST_F(Import, BadViewFoldersAreRefused) {
   with("depth_6.png", std::string(rgb.begin(), rgb.end()), "expected a 16-bit grey PNG");
   const std::vector<uint8_t> small = *EncodePng(Depth(1, 10, 7));
   with("depth_6.png", std::string(small.begin(), small.end()), "expected 20 x 14 px");
+  // All views of one size, but larger than a receiver takes.
+  for (const auto& [width, height] : {std::pair{4097, 2}, {2, 4097}}) {
+    WriteViewFolder(scratch() / "large", 1);
+    ASSERT_TRUE(WritePng(scratch() / "large" / "depth_5.png", Depth(1, width, height)).ok());
+    ExpectRefused("import large --camera A --output a.lcm", "at most 4096 px");
+  }
   const std::vector<uint8_t> whole = *EncodePng(Depth(1));
   with("depth_6.png", std::string(whole.begin(), whole.end() - 40), "no sound PNG");
   fs::remove(folder / "world_T_camera_6.txt");
@@ -289,6 +295,11 @@ TEST_F(Import, BadBopScenesAreRefused) {
   replaced("\"depth_scale\": 0.1", "\"depth_scale\": 0", "bad depth_scale");
   replaced(
       "\"cam_R_w2c\": [", "\"cam_R_w2c\": [2.0, 0, 0, 0, 2, 0, 0, 0, 2], \"x\": [", "rotation");
+  for (const char* far : {"1.1e7", "-1e300"}) {
+    replaced("\"cam_t_w2c\": [",
+             Format("\"cam_t_w2c\": [0, %s, 0], \"x\": [", far),
+             "expected millimetres");
+  }
   WriteText(scene / "scene_camera.json", "[]");
   ExpectRefused(import, "expected a JSON object");
   WriteText(scene / "scene_camera.json", "{\"1\": 5}");

@@ -141,9 +141,17 @@ Result<RecordedView> ReadEntry(EntryReader& reader, std::optional<double> depth_
     return Error{rotation.error().code,
                  reader.place() + ": cam_R_w2c: " + rotation.error().message};
   }
+  constexpr double kFarthest = 1e4;  // m
+  const Eigen::Vector3d translation = 1e-3 * Eigen::Map<const Eigen::Vector3d>(t.data());
+  if (translation.cwiseAbs().maxCoeff() > kFarthest) {
+    return Error{ErrorCode::kCorrupt,
+                 Format("%s: cam_t_w2c is more than %g m, expected millimetres",
+                        reader.place().c_str(),
+                        kFarthest)};
+  }
   Pose T_camera_world = Pose::Identity();
   T_camera_world.linear() = *rotation;
-  T_camera_world.translation() = 1e-3 * Eigen::Map<const Eigen::Vector3d>(t.data());
+  T_camera_world.translation() = translation;
   view.T_world_camera = T_camera_world.inverse();
   return view;
 }

@@ -20,7 +20,7 @@ bool IsBopFolder(const std::filesystem::path& folder);
 /// @param scene which scene; needed when there are several.
 /// @param depth_scale takes the place of the files' own, mm for a value of 1.
 /// Errors: no such scene, no JSON, JSON of another shape, an image without camera pose or depth,
-/// matrices that are not finite or far from a rotation.
+/// matrices that are not finite or far from a rotation, a camera beyond 10 km.
 Result<std::vector<RecordedView>> ListBopScene(const std::filesystem::path& folder,
                                                std::optional<int> scene,
                                                std::optional<double> depth_scale);

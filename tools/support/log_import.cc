@@ -7,9 +7,10 @@
 #include "bus/conversions.h"
 #include "bus/event_log.h"
 #include "bus/image_conversion.h"
+#include "bus/log_bus.h"
 #include "bus/message_check.h"
-#include "bus/message_schema.h"
 #include "common/format.h"
+#include "common/time_range.h"
 #include "tools/support/png_image.h"
 #include "vantage/log_header_t.hpp"
 
@@ -25,11 +26,7 @@ Result<void> WriteHeader(const LogImportParameters& parameters, EventLogWriter& 
   header.utime = parameters.start_utime;
   header.version = VANTAGE_VERSION;
   header.seed = 0;
-  for (const MessageSchema& schema : AllSchemas()) {
-    header.schema_names.emplace_back(schema.name);
-    header.schema_fingerprints.push_back(schema.fingerprint());
-  }
-  header.num_schemas = static_cast<int32_t>(header.schema_names.size());
+  FillSchemas(&header);
   return writer.Write(header.utime, kHeaderChannel, Encode(header));
 }
 
@@ -106,12 +103,11 @@ Result<void> LogImportParameters::Validate() const {
     return Error{ErrorCode::kInvalidArgument,
                  Format("view interval %g s, expected 0.9 to 3600 s", view_interval)};
   }
-  constexpr int64_t kYear2200 = 7'258'118'400'000'000;  // us
-  if (start_utime < 0 || start_utime > kYear2200) {
+  if (!IsPlausibleUtime(start_utime)) {
     return Error{ErrorCode::kInvalidArgument,
                  Format("start at %jd us since the epoch, expected 0 to %jd",
                         intmax_t{start_utime},
-                        intmax_t{kYear2200})};
+                        intmax_t{kLatestUtime})};
   }
   return {};
 }
@@ -130,6 +126,14 @@ Result<LogImportSummary> ImportViews(std::span<const RecordedView> views,
   for (const RecordedView& view : views) {
     const Result<Gray16Image> depth = ReadPng16(view.depth_file);
     if (!depth) return depth.error();
+    if (depth->width > kMaxImageSide || depth->height > kMaxImageSide) {
+      return Error{ErrorCode::kInvalidArgument,
+                   Format("%s has %d x %d px, expected sides of at most %d px, as on the bus",
+                          view.depth_file.c_str(),
+                          depth->width,
+                          depth->height,
+                          kMaxImageSide)};
+    }
     if (summary.num_views == 0) {
       summary.width = depth->width;
       summary.height = depth->height;

@@ -32,8 +32,8 @@ struct LogImportSummary {
 /// first, then for each view CAMERA_<NAME>_INFO, CAMERA_<NAME>_TO_WORLD at 100 Hz from 0.4 s before
 /// to 0.4 s after, and CAMERA_<NAME> with zipped depth at the view's time.
 /// The same input gives the same bytes; on errors no file is left.
-/// Errors: parameters, no views, a depth image that is absent, no 16-bit grey PNG, or of another
-/// size than the first; the system refuses.
+/// Errors: parameters, no views, a depth image that is absent, no 16-bit grey PNG, larger than
+/// kMaxImageSide, or of another size than the first; the system refuses.
 Result<LogImportSummary> ImportViews(std::span<const RecordedView> views,
                                      const LogImportParameters& parameters,
                                      const std::filesystem::path& log);
