@@ -37,14 +37,15 @@ struct Arguments {
   bool tables = true;
 };
 
-// The model and its matching table, both made before either is written.
+// The model with its matching table, or neither.
 Result<void> SaveWithTable(const ObjectModel& model, const fs::path& folder, bool tables) {
   if (!tables) return SaveObjectModel(model, folder);
   const Result<PpfTable> table =
       PpfTable::Train(model.samples, model.diameter, PpfTableParameters{});
   if (!table) return table.error();
-  if (Result<void> saved = SaveObjectModel(model, folder); !saved) return saved;
-  return table->Save(folder / kTableName, model.mesh_hash);
+  return SaveObjectModel(model, folder, [&table, &model](const fs::path& place) {
+    return table->Save(place / kTableName, model.mesh_hash);
+  });
 }
 
 void PrintSummary(const ObjectModel& model) {

@@ -193,7 +193,9 @@ Result<ObjectModel> LoadObjectModel(const fs::path& folder) {
   return model;
 }
 
-Result<void> SaveObjectModel(const ObjectModel& model, const fs::path& folder) {
+Result<void> SaveObjectModel(const ObjectModel& model,
+                             const fs::path& folder,
+                             const ModelFileWriter& add_files) {
   if (Result<void> fits = CheckModelId(model.id); !fits) return fits;
   fs::path target = folder.lexically_normal();
   if (target.filename().empty()) target = target.parent_path();
@@ -219,6 +221,7 @@ Result<void> SaveObjectModel(const ObjectModel& model, const fs::path& folder) {
                         error ? error.message().c_str() : std::strerror(errno))};
   }
   Result<void> saved = WriteFiles(model, temporary);
+  if (saved && add_files) saved = add_files(temporary);
   if (saved) {
     // mkdtemp makes folders that only their owner may enter.
     fs::permissions(temporary,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,16 @@ struct ObjectModel {
 /// match the hash in model.toml.
 Result<ObjectModel> LoadObjectModel(const std::filesystem::path& folder);
 
+/// Writes further files of a model into the folder that it is given.
+using ModelFileWriter = std::function<Result<void>(const std::filesystem::path&)>;
+
 /// Writes the folder whole or not at all (a temporary folder beside it, then renamed). A model
 /// folder that is there already is replaced, with its matching tables. Errors: something else is
-/// there, the model's id is not the folder's name, the system refuses.
-Result<void> SaveObjectModel(const ObjectModel& model, const std::filesystem::path& folder);
+/// there, the model's id is not the folder's name, the system refuses, or as `add_files`.
+/// @param add_files matching tables, written with the rest; may be empty.
+Result<void> SaveObjectModel(const ObjectModel& model,
+                             const std::filesystem::path& folder,
+                             const ModelFileWriter& add_files = {});
 
 /// 1 to 64 of A-Z a-z 0-9 _ - and no leading '-': fit for folders, channels and tables.
 Result<void> CheckModelId(const std::string& id);

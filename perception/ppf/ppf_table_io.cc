@@ -1,5 +1,6 @@
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -89,6 +90,7 @@ Result<void> PpfTable::Save(const std::filesystem::path& file, uint64_t mesh_has
   std::filesystem::path part = file;
   part += ".part";
   {
+    errno = 0;
     std::ofstream stream(part, std::ios::binary | std::ios::trunc);
     stream.write(reinterpret_cast<const char*>(&header), sizeof(header));
     for (const std::span<const char> bytes : {Bytes(points_), Bytes(starts_), Bytes(entries_)}) {
@@ -96,9 +98,10 @@ Result<void> PpfTable::Save(const std::filesystem::path& file, uint64_t mesh_has
     }
     stream.flush();
     if (!stream) {
+      const std::string reason = std::strerror(errno);
       std::error_code ignored;
       std::filesystem::remove(part, ignored);
-      return Error{ErrorCode::kIo, file.string() + " can't be written"};
+      return Error{ErrorCode::kIo, file.string() + " can't be written: " + reason};
     }
   }
   std::error_code error;

@@ -1,8 +1,11 @@
 // Runs vantage-model as its users do.
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -65,6 +68,28 @@ TEST_F(ModelTool, BuildsFromAMeshInItsUnit) {
   // Again in the same place.
   EXPECT_EQ(Run("build part.obj --unit mm --output models/wedge").exit_code, 0);
   EXPECT_EQ(LoadObjectModel(scratch() / "models" / "wedge")->symmetry.elements.size(), 1U);
+}
+
+// Files beyond a size are refused, as on a full disk: the table is the only one that is larger.
+TEST_F(ModelTool, AModelWhoseTableCannotBeWrittenIsNotLeftWithoutIt) {
+  ASSERT_EQ(Run("generate bracket --output m").exit_code, 0);
+  const uintmax_t table = fs::file_size(scratch() / "m" / "bracket" / "ppf.bin");
+  uintmax_t others = 0;
+  for (const char* name : {"mesh.ply", "samples.ply", "model.toml"}) {
+    others = std::max(others, fs::file_size(scratch() / "m" / "bracket" / name));
+  }
+  ASSERT_LT(others, table);
+  fs::create_directory(scratch() / "n");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto previous = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{table - 1, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  ExpectRefused("generate bracket --output n", "ppf.bin can't be written");
+  ExpectRefused("generate bracket --output m", "ppf.bin can't be written");
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, previous);
+  EXPECT_EQ(Run("info m/bracket").exit_code, 0);
 }
 
 TEST_F(ModelTool, DrawsAPicture) {
