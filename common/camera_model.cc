@@ -13,13 +13,19 @@ Result<void> CameraModel::Validate() const {
         ErrorCode::kInvalidArgument,
         Format("camera image of %d x %d px, expected 1 to %d each", width, height, kLargest)};
   }
-  if (!(std::isfinite(fx) && fx > 0.0 && std::isfinite(fy) && fy > 0.0)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 Format("focal lengths fx = %g, fy = %g px, expected positive and finite", fx, fy)};
+  // Far beyond any camera; so near to 0 or so large that a ray's square overflows is worse. NaN
+  // fails.
+  constexpr double kFarthest = 1e6;  // px
+  const auto is_focal = [](double f) { return f >= 1.0 && f <= kFarthest; };
+  if (!is_focal(fx) || !is_focal(fy)) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        Format("focal lengths fx = %g, fy = %g px, expected 1 to %g each", fx, fy, kFarthest)};
   }
-  if (!std::isfinite(cx) || !std::isfinite(cy)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 Format("principal point cx = %g, cy = %g px, expected finite", cx, cy)};
+  if (!(std::abs(cx) <= kFarthest && std::abs(cy) <= kFarthest)) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        Format("principal point cx = %g, cy = %g px, expected within %g of 0", cx, cy, kFarthest)};
   }
   return {};
 }

@@ -15,7 +15,7 @@ struct CameraModel {
   double cx = 319.5;   ///< px
   double cy = 239.5;   ///< px
 
-  /// Size in 1..16384 px, focal lengths positive and finite, principal point finite.
+  /// Size in 1..16384 px, focal lengths in 1..1e6 px, principal point within 1e6 px of 0.
   Result<void> Validate() const;
 
   /// p_camera (m, z > 0) to pixel coordinates.

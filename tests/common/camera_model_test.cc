@@ -81,6 +81,11 @@ TEST(CameraModel, ValidateNamesWhatIsWrong) {
   EXPECT_NE(message({.fy = infinity}), "");
   EXPECT_NE(message({.cx = nan}).find("principal point"), std::string::npos);
   EXPECT_NE(message({.cy = -infinity}), "");
+  // Finite, but not what one can reckon with.
+  EXPECT_NE(message({.fx = 5e-324}), "");
+  EXPECT_NE(message({.fy = 1e308}), "");
+  EXPECT_NE(message({.cx = 1e308}), "");
+  EXPECT_NE(message({.cy = -1e308}), "");
 }
 
 }  // namespace
