@@ -56,7 +56,7 @@ Openni2Api::Openni2Api(std::unique_ptr<Listener> listener) : listener_(std::move
 
 Openni2Api::~Openni2Api() {
   listener_->Remove();
-  openni::OpenNI::shutdown();
+  if (!Openni2Device::HasLeftRecordings()) openni::OpenNI::shutdown();
 }
 
 std::vector<DeviceListing> Openni2Api::List() {

@@ -16,6 +16,9 @@ class Openni2Device : public DepthDevice {
   /// `events` outlives the device. Errors: OpenNI2's own, with its words.
   static Result<std::unique_ptr<DepthDevice>> Open(const std::string& uri, DeviceEvents& events);
   ~Openni2Device() override;
+
+  /// A recording was closed: its handles stay with the library, which must not be shut down then.
+  static bool HasLeftRecordings();
   Openni2Device(const Openni2Device&) = delete;
   Openni2Device& operator=(const Openni2Device&) = delete;
 
@@ -38,9 +41,15 @@ class Openni2Device : public DepthDevice {
 
   std::string uri_;  // As it was asked for.
   DeviceEvents& events_;
-  openni::Device device_;
-  openni::VideoStream depth_;
-  openni::VideoStream color_;
+  struct Handles {
+    openni::Device device;
+    openni::VideoStream depth;
+    openni::VideoStream color;
+  };
+  std::unique_ptr<Handles> handles_ = std::make_unique<Handles>();
+  openni::Device& device_ = handles_->device;
+  openni::VideoStream& depth_ = handles_->depth;
+  openni::VideoStream& color_ = handles_->color;
   openni::VideoFrameRef depth_frame_;
   openni::VideoFrameRef color_frame_;
   bool is_recording_ = false;
