@@ -2,6 +2,7 @@
 
 #include <OpenNI.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 
