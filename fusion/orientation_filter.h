@@ -7,6 +7,7 @@
 #include "common/result.h"
 #include "common/so3.h"
 #include "fusion/orientation_histogram.h"
+#include "fusion/orientation_view.h"
 #include "fusion/peaks.h"
 #include "fusion/so3_grid.h"
 
@@ -22,16 +23,6 @@ struct OrientationFilterParameters {
   int min_views = 4;                      ///< views before convergence is believed
 
   Result<void> Validate() const;
-};
-
-/// The orientation of an object as one view saw it.
-struct OrientationView {
-  Eigen::Quaterniond q_world_object = Eigen::Quaterniond::Identity();
-  double mse = 0.0;  ///< m^2
-
-  bool operator==(const OrientationView& other) const {
-    return q_world_object.coeffs() == other.q_world_object.coeffs() && mse == other.mse;
-  }
 };
 
 /// The orientation of one object, fused from one detection a view.
