@@ -15,8 +15,9 @@ namespace vantage {
 
 /// Parameters of the histogram filter (paper section 5).
 struct OrientationFilterParameters {
-  double sigma_cw = 4.0 * kDegree;  ///< rad, of the confidence weight (eq. 2)
-  double sigma_vw = 6.25e-6;        ///< m^2, of the verification weight (eq. 4): (2.5 mm)^2
+  double sigma_cw = 4.0 * kDegree;    ///< rad, of the confidence weight (eq. 2)
+  double sigma_vw = 6.25e-6;          ///< m^2, of the verification weight (eq. 4): (2.5 mm)^2
+  double sigma_mode = 4.0 * kDegree;  ///< rad, of the kernels of the density's mode
   PeakParameters peaks{};
   double converge_angle = 1.0 * kDegree;  ///< rad, change of q_f that counts as none (paper 5.2)
   int converge_views = 2;                 ///< last views that must not have changed q_f

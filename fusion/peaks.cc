@@ -10,37 +10,40 @@
 namespace vantage {
 namespace {
 
-using Cell = So3Grid::Cell;
+// Cells that may belong to a cluster, by place.
+using Candidates = std::vector<CellWeights::Placed>;
 
-// Grows clusters through an orientation histogram; every cell belongs to one at most.
+// Grows clusters through the weights; every cell belongs to one at most.
 class RegionGrowing {
  public:
-  explicit RegionGrowing(const OrientationHistogram& histogram)
-      : histogram_(histogram), cluster_of_(histogram.entries().size(), 0) {}
+  /// @param candidates all cells that any cluster may hold.
+  RegionGrowing(const CellWeights& weights, const Candidates& candidates)
+      : weights_(weights), candidates_(candidates), cluster_of_(candidates.size(), 0) {}
 
   struct Cluster {
-    std::vector<size_t> places;  // In the histogram's entries; the seed first.
-    bool meets_another = false;  // Grew up to a cell that an earlier cluster has.
+    std::vector<CellWeights::Entry> cells;  // The seed first.
+    bool meets_another = false;             // Grew up to a cell that an earlier cluster has.
   };
 
-  [[nodiscard]] bool taken(size_t place) const { return cluster_of_[place] != 0; }
+  [[nodiscard]] bool taken(size_t candidate) const { return cluster_of_[candidate] != 0; }
 
   // All cells of `threshold` or more that are connected to `seed` (step 2 of paper 5.2).
-  Cluster Grow(size_t seed, double threshold) {
+  Cluster Grow(size_t seed, float threshold) {
     Cluster cluster;
-    cluster.places.push_back(seed);
+    const CellWeights::Placed& first = candidates_[seed];
+    weights_.grid().CellsAt(first.ordinal, 1, &seed_cell_);
+    cluster.cells.push_back({seed_cell_.front(), first.weight});
     cluster_of_[seed] = ++num_clusters_;
-    for (size_t next = 0; next < cluster.places.size(); ++next) {
-      histogram_.grid().Neighbors(histogram_.entries()[cluster.places[next]].cell, &neighbors_);
-      for (const Cell neighbor : neighbors_) {
-        const int found = histogram_.Find(neighbor);
-        if (found < 0) continue;
-        const auto place = static_cast<size_t>(found);
-        if (histogram_.entries()[place].weight < threshold) continue;
-        if (cluster_of_[place] == 0) {
-          cluster_of_[place] = num_clusters_;
-          cluster.places.push_back(place);
-        } else if (cluster_of_[place] != num_clusters_) {
+    for (size_t next = 0; next < cluster.cells.size(); ++next) {
+      weights_.grid().Neighbors(cluster.cells[next].cell, &neighbors_);
+      for (const So3Grid::Neighbor& neighbor : neighbors_) {
+        const float weight = weights_.At(neighbor.ordinal);
+        if (weight < threshold) continue;
+        int& owner = cluster_of_[Find(neighbor.ordinal)];
+        if (owner == 0) {
+          owner = num_clusters_;
+          cluster.cells.push_back({neighbor.cell, weight});
+        } else if (owner != num_clusters_) {
           cluster.meets_another = true;
         }
       }
@@ -49,22 +52,32 @@ class RegionGrowing {
   }
 
  private:
-  const OrientationHistogram& histogram_;
-  std::vector<int> cluster_of_;  // By place; from 1, 0 for none.
+  [[nodiscard]] size_t Find(int32_t ordinal) const {
+    const auto found = std::lower_bound(
+        candidates_.begin(),
+        candidates_.end(),
+        ordinal,
+        [](const CellWeights::Placed& a, int32_t wanted) { return a.ordinal < wanted; });
+    return static_cast<size_t>(found - candidates_.begin());
+  }
+
+  const CellWeights& weights_;
+  const Candidates& candidates_;
+  std::vector<int> cluster_of_;  // By candidate; from 1, 0 for none.
   int num_clusters_ = 0;
-  std::vector<Cell> neighbors_;
+  std::vector<So3Grid::Neighbor> neighbors_;
+  std::vector<So3Grid::Cell> seed_cell_;
 };
 
 // Equations 6 and 7.
-OrientationPeak Average(const OrientationHistogram& histogram,
-                        const std::vector<size_t>& places,
+OrientationPeak Average(const So3Grid& grid,
+                        const std::vector<CellWeights::Entry>& cells,
                         double total_mass) {
-  const So3Grid& grid = histogram.grid();
   std::vector<WeightedOrientation> orientations;
+  orientations.reserve(cells.size());
   double mass = 0.0;
-  for (const size_t place : places) {
-    const OrientationHistogram::Entry& entry = histogram.entries()[place];
-    const double weight = entry.weight * grid.Area(entry.cell);
+  for (const CellWeights::Entry& entry : cells) {
+    const double weight = static_cast<double>(entry.weight) * grid.Area(entry.cell);
     orientations.push_back({grid.Representative(entry.cell), weight});
     mass += weight;
   }
@@ -75,12 +88,12 @@ OrientationPeak Average(const OrientationHistogram& histogram,
     return peak;
   }
   peak.q = WeightedMean(orientations);
-  double square_sum = 0.0;
+  const Eigen::Quaterniond q_inverse = peak.q.conjugate();
   for (const WeightedOrientation& orientation : orientations) {
-    const double angle = GeodesicAngle(orientation.q, peak.q);
-    square_sum += orientation.weight * angle * angle;
+    const Eigen::Vector3d r = LogSo3(orientation.q * q_inverse);
+    peak.covariance += orientation.weight / mass * r * r.transpose();
   }
-  peak.spread = std::sqrt(square_sum / mass);
+  peak.spread = std::sqrt(peak.covariance.trace());
   return peak;
 }
 
@@ -106,38 +119,44 @@ Result<void> PeakParameters::Validate() const {
   return {};
 }
 
-std::vector<OrientationPeak> FindPeaks(const OrientationHistogram& histogram,
+std::vector<OrientationPeak> FindPeaks(const CellWeights& weights,
+                                       double total_mass,
                                        const PeakParameters& parameters) {
-  const std::span<const OrientationHistogram::Entry> entries = histogram.entries();
   std::vector<OrientationPeak> peaks;
-  const double total_mass = histogram.Mass();
-  if (total_mass <= 0.0) return peaks;
-
-  double w_M = 0.0;
-  for (const OrientationHistogram::Entry& entry : entries) w_M = std::max(w_M, entry.weight);
-  std::vector<size_t> by_weight;  // Heaviest first, equal ones by cell.
-  for (size_t i = 0; i < entries.size(); ++i) {
-    if (entries[i].weight >= parameters.w_mode * w_M) by_weight.push_back(i);
+  const float w_M = weights.Largest();
+  if (!(total_mass > 0.0 && w_M > 0.0F)) return peaks;
+  const auto w_min = static_cast<float>(parameters.w_min);
+  const float seed_threshold =
+      static_cast<float>(std::min(parameters.w_mode, parameters.w_max)) * w_M;
+  const float paper_threshold = static_cast<float>(parameters.w_max) * w_M;
+  const Candidates candidates = weights.AtLeast(w_min * seed_threshold);
+  std::vector<size_t> by_weight;  // Heaviest first, equal ones by place.
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i].weight >= seed_threshold) by_weight.push_back(i);
   }
   std::stable_sort(by_weight.begin(), by_weight.end(), [&](size_t a, size_t b) {
-    return entries[a].weight > entries[b].weight;
+    return candidates[a].weight > candidates[b].weight;
   });
 
-  RegionGrowing growing(histogram);
+  RegionGrowing growing(weights, candidates);
   std::ptrdiff_t num_of_paper = 0;
   for (const size_t seed : by_weight) {
     if (growing.taken(seed)) continue;
-    const double weight = entries[seed].weight;
-    const bool is_of_paper = weight >= parameters.w_max * w_M;
-    const double height = is_of_paper ? w_M : weight;
-    const RegionGrowing::Cluster cluster = growing.Grow(seed, parameters.w_min * height);
+    const float weight = candidates[seed].weight;
+    const bool is_of_paper = weight >= paper_threshold;
+    const RegionGrowing::Cluster cluster = growing.Grow(seed, w_min * (is_of_paper ? w_M : weight));
     if (!is_of_paper && cluster.meets_another) continue;  // A shoulder, no mode.
-    peaks.push_back(Average(histogram, cluster.places, total_mass));
+    peaks.push_back(Average(weights.grid(), cluster.cells, total_mass));
     if (is_of_paper) ++num_of_paper;
   }
   SortByWeight(peaks.begin(), peaks.begin() + num_of_paper);
   SortByWeight(peaks.begin() + num_of_paper, peaks.end());
   return peaks;
+}
+
+std::vector<OrientationPeak> FindPeaks(const OrientationHistogram& histogram,
+                                       const PeakParameters& parameters) {
+  return FindPeaks(histogram.weights(), histogram.Mass(), parameters);
 }
 
 }  // namespace vantage

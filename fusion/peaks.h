@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/result.h"
+#include "fusion/cell_weights.h"
 #include "fusion/orientation_histogram.h"
 
 namespace vantage {
@@ -24,6 +25,9 @@ struct OrientationPeak {
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   double weight = 0.0;  ///< [0, 1], the cluster's share of the histogram's mass
   double spread = 0.0;  ///< rad, root mean square angle of the cluster's mass about q
+  /// rad^2, of the cluster's mass about q: of the rotation vectors r, in the world's axes, that
+  /// take q to a cell's representative, exp(r) q. Its trace is spread^2.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
 /// The final rotation computation of paper 5.2. First come the clusters that grow, through
@@ -31,7 +35,11 @@ struct OrientationPeak {
 /// is C_max and its mean q_f (eq. 7). Then, so that alternatives stay visible, modes lower than
 /// w_max w_M: clusters grown in the same way around a local maximum, relative to its own height,
 /// unless they run into higher ground. Both kinds by descending weight.
-/// Empty for an empty histogram.
+/// Costs the touched pages and the cells of the clusters. Empty where all weights are 0.
+/// @param total_mass sum of weight times area over all cells.
+std::vector<OrientationPeak> FindPeaks(const CellWeights& weights,
+                                       double total_mass,
+                                       const PeakParameters& parameters);
 std::vector<OrientationPeak> FindPeaks(const OrientationHistogram& histogram,
                                        const PeakParameters& parameters);
 

@@ -1,6 +1,7 @@
 #include "fusion/so3_grid.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -8,11 +9,13 @@
 #include "common/check.h"
 #include "common/format.h"
 #include "common/so3.h"
+#include "fusion/sphere_patch.h"
 
 namespace vantage {
 namespace {
 
 int Square(int value) { return value * value; }
+double Square(double value) { return value * value; }
 
 // Place of a <= b <= c among all such triples.
 size_t TripleIndex(int a, int b, int c) {
@@ -30,14 +33,50 @@ int NumPermutations(const std::array<int, 4>& sorted) {
   return permutations;
 }
 
-// Range of cells along one axis that a coordinate in cos([angle - radius, angle + radius]) meets.
-std::pair<int, int> CellRange(double coordinate, double radius, int k, int lowest, int highest) {
-  const double angle = std::acos(std::clamp(coordinate, -1.0, 1.0));
-  const double low = std::cos(std::min(std::numbers::pi, angle + radius));
-  const double high = std::cos(std::max(0.0, angle - radius));
-  constexpr double kRounding = 1e-9;
-  return {std::max(lowest, static_cast<int>(std::floor(low * k - kRounding))),
-          std::min(highest, static_cast<int>(std::floor(high * k + kRounding)))};
+// Squared distances from 0 of the nearest and the farthest corner, in cells.
+std::pair<int, int> CornerDistances(const std::array<int, 4>& lower) {
+  int nearest = 0;
+  int farthest = 0;
+  for (const int i : lower) {
+    nearest += Square(i);
+    farthest += Square(i + 1);
+  }
+  return {nearest, farthest};
+}
+
+// Squared angle on SO(3) from the squared length of the chord on S^3: (4 asin(c / 2))^2, by its
+// power series where that is exact to rounding.
+double SquaredAngle(double squared_chord) {
+  const double u = squared_chord;
+  if (u > 0.1) return Square(4.0 * std::asin(std::min(1.0, 0.5 * std::sqrt(u))));
+  const double series =
+      1.0 / 2 +
+      u * (1.0 / 24 +
+           u * (1.0 / 180 +
+                u * (1.0 / 1120 +
+                     u * (1.0 / 6300 + u * (1.0 / 33264 + u * (1.0 / 168168 + u / 823680))))));
+  return 8.0 * u * series;
+}
+
+// std::floor is a library call on processors without SSE 4.1.
+int Floor(double value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - (value < truncated ? 1 : 0);
+}
+
+// Cells along one axis that come within `reach` of a coordinate; both in cells.
+struct CellRange {
+  int first;
+  int last;
+};
+CellRange Within(double coordinate, double reach, int lowest, int highest) {
+  return {std::max(lowest, Floor(coordinate - reach)),
+          std::min(highest, Floor(coordinate + reach))};
+}
+
+// Distance of a coordinate from the cell [i, i + 1].
+double DistanceToCell(double coordinate, int i) {
+  return std::max(0.0, std::max(i - coordinate, coordinate - (i + 1)));
 }
 
 }  // namespace
@@ -50,18 +89,61 @@ So3Grid::So3Grid(int k) : k_(k) {
       for (int a = 0; a <= b; ++a) {
         bool first = true;
         for (int d = c; d < k; ++d) {
-          const Index lower = {a, b, c, d};
-          if (!MeetsSphere(lower)) continue;
+          const std::array<int, 4> lower = {a, b, c, d};
+          const auto [nearest, farthest] = CornerDistances(lower);
+          if (nearest > Square(k) || farthest < Square(k)) continue;
           if (first) {
             first_patch_[TripleIndex(a, b, c)] = static_cast<int32_t>(patches_.size()) - d;
             first = false;
           }
-          patches_.push_back(IntegrateSpherePatch(lower, k));
+          const SpherePatch patch = IntegrateSpherePatch(lower, k);
+          const Eigen::Vector4f centroid = patch.centroid.cast<float>();
+          patches_.push_back({patch.area, {centroid[0], centroid[1], centroid[2], centroid[3]}});
           num_cells_ += 8 * NumPermutations(lower);  // 8: the signs of x, y, z.
         }
       }
     }
   }
+  patches_.shrink_to_fit();
+
+  lowest_.resize(static_cast<size_t>(Square(k)));
+  for (int iw = 0, rest = 0; rest < Square(k); ++rest) {
+    if (Square(iw + 1) < rest) ++iw;
+    lowest_[static_cast<size_t>(rest)] = static_cast<int16_t>(iw);
+  }
+  column_first_.resize(ColumnSlot(k, 0, 0));
+  int num_before = 0;
+  for (int a = 0; a < k; ++a) {
+    for (int b = 0; b < k; ++b) {
+      for (int c = 0; c < k; ++c) {
+        int32_t& first = column_first_[ColumnSlot(a, b, c)];
+        first = num_before;
+        const int nearest = Square(a) + Square(b) + Square(c);
+        if (nearest > Square(k)) continue;
+        const int lowest = LowestInColumn(Square(a + 1) + Square(b + 1) + Square(c + 1));
+        first -= lowest;
+        int iw = lowest;
+        while (iw < k && nearest + Square(iw) <= Square(k)) ++iw;
+        num_before += iw - lowest;
+      }
+    }
+  }
+  VANTAGE_CHECK(num_cells_ == 8 * num_before, "columns hold other cells than patches stand for");
+}
+
+Result<So3Grid> So3Grid::Create(int k) {
+  if (k < kSmallest || k > kLargest) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("k = %d, expected %d..%d", k, kSmallest, kLargest)};
+  }
+  return So3Grid(k);
+}
+
+size_t So3Grid::bytes() const {
+  return sizeof(*this) + column_first_.capacity() * sizeof(column_first_[0]) +
+         lowest_.capacity() * sizeof(lowest_[0]) +
+         first_patch_.capacity() * sizeof(first_patch_[0]) +
+         patches_.capacity() * sizeof(patches_[0]);
 }
 
 So3Grid::Index So3Grid::IndexOf(Cell cell) const {
@@ -70,29 +152,60 @@ So3Grid::Index So3Grid::IndexOf(Cell cell) const {
   return {xyz / (4 * k_ * k_), xyz / (2 * k_) % (2 * k_), xyz % (2 * k_), iw};
 }
 
-So3Grid::Cell So3Grid::CellAt(const Index& index) const {
-  return ((index[0] * 2 * k_ + index[1]) * 2 * k_ + index[2]) * k_ + index[3];
-}
-
-// The corner nearest to 0 after reflection into the positive orthant, in cells.
-So3Grid::Index So3Grid::LowerCorner(const Index& index) const {
-  const auto reflected = [this](int i) { return i >= k_ ? i - k_ : k_ - 1 - i; };
-  return {reflected(index[0]), reflected(index[1]), reflected(index[2]), index[3]};
-}
-
-bool So3Grid::MeetsSphere(const Index& lower) const {
-  int nearest = 0;
-  int farthest = 0;
-  for (const int i : lower) {
-    nearest += Square(i);
-    farthest += Square(i + 1);
+So3Grid::Column So3Grid::ColumnAt(int ix, int iy, int iz) const {
+  Column column{};
+  column.lower = {ReflectedLower(ix), ReflectedLower(iy), ReflectedLower(iz)};
+  column.sign = {ix >= k_ ? 1.0 : -1.0, iy >= k_ ? 1.0 : -1.0, iz >= k_ ? 1.0 : -1.0};
+  column.sorted = column.lower;
+  column.axis = {0, 1, 2};
+  const auto sort_pair = [&](size_t i, size_t j) {
+    if (column.sorted[i] <= column.sorted[j]) return;
+    std::swap(column.sorted[i], column.sorted[j]);
+    std::swap(column.axis[i], column.axis[j]);
+  };
+  sort_pair(0, 1);
+  sort_pair(1, 2);
+  sort_pair(0, 1);
+  for (const int i : column.lower) {
+    column.nearest += Square(i);
+    column.farthest += Square(i + 1);
   }
+  return column;
+}
+
+So3Grid::Placed So3Grid::PatchIn(const Column& column, int iw) const {
+  const auto [a, b, c] = column.sorted;
+  const auto patch = [this](int i, int j, int m, int largest) {
+    return &patches_[static_cast<size_t>(first_patch_[TripleIndex(i, j, m)] + largest)];
+  };
+  if (iw >= c) return {patch(a, b, c, iw), 3};
+  if (iw >= b) return {patch(a, b, iw, c), 2};
+  if (iw >= a) return {patch(a, iw, b, c), 1};
+  return {patch(iw, a, b, c), 0};
+}
+
+Eigen::Vector4d So3Grid::Point(const Column& column, const Placed& placed) {
+  const std::array<float, 4>& centroid = placed.patch->centroid;
+  Eigen::Vector4d point;
+  point[3] = static_cast<double>(centroid[static_cast<size_t>(placed.rank_of_w)]);
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<size_t>(column.axis[static_cast<size_t>(i)]);
+    const auto rank = static_cast<size_t>(i < placed.rank_of_w ? i : i + 1);
+    point[static_cast<Eigen::Index>(axis)] =
+        column.sign[axis] * static_cast<double>(centroid[rank]);
+  }
+  return point;
+}
+
+bool So3Grid::MeetsSphere(const Index& index) const {
+  const auto [nearest, farthest] = CornerDistances(
+      {ReflectedLower(index[0]), ReflectedLower(index[1]), ReflectedLower(index[2]), index[3]});
   return nearest <= Square(k_) && Square(k_) <= farthest;
 }
 
 bool So3Grid::IsValid(Cell cell) const {
   const int64_t lattice = int64_t{8} * k_ * k_ * k_ * k_;
-  return cell >= 0 && cell < lattice && MeetsSphere(LowerCorner(IndexOf(cell)));
+  return cell >= 0 && cell < lattice && MeetsSphere(IndexOf(cell));
 }
 
 std::vector<So3Grid::Cell> So3Grid::ValidCells() const {
@@ -103,12 +216,69 @@ std::vector<So3Grid::Cell> So3Grid::ValidCells() const {
       for (int iz = 0; iz < 2 * k_; ++iz) {
         for (int iw = 0; iw < k_; ++iw) {
           const Index index = {ix, iy, iz, iw};
-          if (MeetsSphere(LowerCorner(index))) cells.push_back(CellAt(index));
+          if (MeetsSphere(index)) cells.push_back(CellAt(index));
         }
       }
     }
   }
   return cells;
+}
+
+int32_t So3Grid::OrdinalAt(const Index& index) const {
+  const auto [ix, iy, iz, iw] = index;
+  const size_t slot = ColumnSlot(ReflectedLower(ix), ReflectedLower(iy), ReflectedLower(iz));
+  return OctantFirst(ix, iy, iz) + column_first_[slot] + iw;
+}
+
+int32_t So3Grid::Ordinal(Cell cell) const { return OrdinalAt(IndexOf(cell)); }
+
+// Place in the octant of a column's first cell, or where an empty column would begin.
+int So3Grid::ColumnStart(size_t slot) const {
+  const int place = static_cast<int>(slot);
+  const int a = place / (k_ * k_);
+  const int b = place / k_ % k_;
+  const int c = place % k_;
+  if (Square(a) + Square(b) + Square(c) > Square(k_)) return column_first_[slot];
+  return column_first_[slot] + LowestInColumn(Square(a + 1) + Square(b + 1) + Square(c + 1));
+}
+
+// The last column that begins at or before a place in the octant. Columns without cells begin where
+// the next one with cells does, so they are never the last.
+size_t So3Grid::ColumnHolding(int place) const {
+  size_t slot = 0;
+  for (size_t step = std::bit_floor(column_first_.size()); step > 0; step /= 2) {
+    if (slot + step < column_first_.size() && ColumnStart(slot + step) <= place) slot += step;
+  }
+  return slot;
+}
+
+void So3Grid::CellsAt(int32_t first, int32_t count, std::vector<Cell>* cells) const {
+  VANTAGE_CHECK(first >= 0 && count >= 0 && count <= num_cells_ - first,
+                Format("places %d + %d of %d", first, count, num_cells_));
+  cells->clear();
+  const int octant_size = num_cells_ / 8;
+  const auto unreflected = [this](int lower, bool positive) {
+    return positive ? lower + k_ : k_ - 1 - lower;
+  };
+  size_t slot = 0;
+  int column_end = 0;  // Place in the octant; at most `place` where a new column must be found.
+  for (int32_t ordinal = first; ordinal < first + count; ++ordinal) {
+    const int octant = ordinal / octant_size;
+    const int place = ordinal % octant_size;
+    if (ordinal == first || place == 0) {
+      slot = ColumnHolding(place);
+      column_end = slot + 1 < column_first_.size() ? ColumnStart(slot + 1) : octant_size;
+    }
+    while (place >= column_end) {
+      ++slot;
+      column_end = slot + 1 < column_first_.size() ? ColumnStart(slot + 1) : octant_size;
+    }
+    const auto column = static_cast<int>(slot);
+    cells->push_back(CellAt({unreflected(column / (k_ * k_), (octant & 4) != 0),
+                             unreflected(column / k_ % k_, (octant & 2) != 0),
+                             unreflected(column % k_, (octant & 1) != 0),
+                             place - column_first_[slot]}));
+  }
 }
 
 So3Grid::Cell So3Grid::CellOf(const Eigen::Quaterniond& q) const {
@@ -123,49 +293,18 @@ So3Grid::Cell So3Grid::CellOf(const Eigen::Quaterniond& q) const {
   return CellAt(index);
 }
 
-const SpherePatch& So3Grid::PatchOf(const Index& sorted_lower) const {
-  const int32_t first =
-      first_patch_[TripleIndex(sorted_lower[0], sorted_lower[1], sorted_lower[2])];
-  return patches_[static_cast<size_t>(first + sorted_lower[3])];
-}
-
-Eigen::Vector4d So3Grid::RepresentativeAt(const Index& index) const {
-  const Index lower = LowerCorner(index);
-  std::array<int, 4> order = {0, 1, 2, 3};
-  const auto sort_pair = [&](size_t i, size_t j) {
-    if (lower[static_cast<size_t>(order[i])] > lower[static_cast<size_t>(order[j])]) {
-      std::swap(order[i], order[j]);
-    }
-  };
-  sort_pair(0, 1);
-  sort_pair(2, 3);
-  sort_pair(0, 2);
-  sort_pair(1, 3);
-  sort_pair(1, 2);
-  Index sorted{};
-  for (size_t i = 0; i < 4; ++i) sorted[i] = lower[static_cast<size_t>(order[i])];
-  const SpherePatch& patch = PatchOf(sorted);
-  Eigen::Vector4d point;
-  for (size_t i = 0; i < 4; ++i) {
-    const int axis = order[i];
-    const bool negative = axis != 3 && index[static_cast<size_t>(axis)] < k_;
-    const double coordinate = patch.centroid[static_cast<Eigen::Index>(i)];
-    point[axis] = negative ? -coordinate : coordinate;
-  }
-  return point;
-}
-
 Eigen::Quaterniond So3Grid::Representative(Cell cell) const {
-  return Eigen::Quaterniond(RepresentativeAt(IndexOf(cell)));
+  const auto [ix, iy, iz, iw] = IndexOf(cell);
+  const Column column = ColumnAt(ix, iy, iz);
+  return Eigen::Quaterniond(Point(column, PatchIn(column, iw)).normalized());
 }
 
 double So3Grid::Area(Cell cell) const {
-  Index lower = LowerCorner(IndexOf(cell));
-  std::sort(lower.begin(), lower.end());
-  return PatchOf(lower).area;
+  const auto [ix, iy, iz, iw] = IndexOf(cell);
+  return PatchIn(ColumnAt(ix, iy, iz), iw).patch->area;
 }
 
-void So3Grid::Neighbors(Cell cell, std::vector<Cell>* neighbors) const {
+void So3Grid::Neighbors(Cell cell, std::vector<Neighbor>* neighbors) const {
   neighbors->clear();
   const Index center = IndexOf(cell);
   const int last = 2 * k_ - 1;
@@ -179,63 +318,118 @@ void So3Grid::Neighbors(Cell cell, std::vector<Cell>* neighbors) const {
     // Below w = 0 lies the antipode of a cell above it.
     if (index[3] < 0) index = {last - index[0], last - index[1], last - index[2], 0};
     const Cell neighbor = CellAt(index);
-    if (neighbor != cell && MeetsSphere(LowerCorner(index))) neighbors->push_back(neighbor);
+    if (neighbor == cell || !MeetsSphere(index)) continue;
+    neighbors->push_back({neighbor, OrdinalAt(index)});
   }
-  std::sort(neighbors->begin(), neighbors->end());
-  neighbors->erase(std::unique(neighbors->begin(), neighbors->end()), neighbors->end());
+  // Only in the coarsest grids a cell is met both directly and across w = 0.
+  if (k_ > 4) return;
+  const auto by_cell = [](const Neighbor& a, const Neighbor& b) { return a.cell < b.cell; };
+  const auto same = [](const Neighbor& a, const Neighbor& b) { return a.cell == b.cell; };
+  std::sort(neighbors->begin(), neighbors->end(), by_cell);
+  neighbors->erase(std::unique(neighbors->begin(), neighbors->end(), same), neighbors->end());
 }
+
+// The part of SO(3) about an orientation, on one side of S^3.
+struct So3Grid::Cap {
+  Eigen::Vector4d q;
+  double squared_chord;  // From its center to its rim.
+  bool keep_equator;     // Representatives at 90 degrees on S^3 from q are as near to -q.
+};
 
 void So3Grid::CellsWithin(const Eigen::Quaterniond& q,
                           double radius,
                           std::vector<NearCell>* cells) const {
   cells->clear();
   const Eigen::Vector4d point = Canonical(q.normalized()).coeffs();
-  AppendCellsNear(point, radius, true, cells);
-  const size_t num_here = cells->size();
-  AppendCellsNear(-point, radius, false, cells);
-  if (num_here != cells->size()) {
-    std::inplace_merge(cells->begin(),
-                       cells->begin() + static_cast<std::ptrdiff_t>(num_here),
-                       cells->end(),
-                       [](const NearCell& a, const NearCell& b) { return a.cell < b.cell; });
+  // An angle on SO(3) is twice that on S^3.
+  const double angle = 0.5 * std::min(radius, std::numbers::pi);
+  const double squared_chord = Square(2.0 * std::sin(0.5 * angle)) * (1.0 + 1e-7);
+  AppendCellsNear({point, squared_chord, true}, cells);
+  // The cap about -q reaches the half sphere w >= 0 only if q is near its rim.
+  if (point[3] <= std::sin(angle) + 2.0 / k_)
+    AppendCellsNear({-point, squared_chord, false}, cells);
+}
+
+// The cells of a column, reflected into the positive orthant and its coordinates in ascending
+// order, as the patches are; the cap's center goes the same way.
+void So3Grid::AppendColumn(const Cap& cap,
+                           const std::array<int, 3>& xyz,
+                           double reach_w,
+                           std::vector<NearCell>* cells) const {
+  const auto [ix, iy, iz] = xyz;
+  int a = ReflectedLower(ix);
+  int b = ReflectedLower(iy);
+  int c = ReflectedLower(iz);
+  const int nearest = Square(a) + Square(b) + Square(c);
+  if (nearest > Square(k_)) return;
+  const CellRange layers = Within(cap.q[3] * k_, reach_w, 0, k_ - 1);
+  const int first_layer = std::max(layers.first, LowestInColumn(nearest + 2 * (a + b + c) + 3));
+  if (first_layer > layers.last || nearest + Square(first_layer) > Square(k_)) return;
+
+  const Cell first_cell = CellAt({ix, iy, iz, 0});
+  const int32_t first_place = OctantFirst(ix, iy, iz) + column_first_[ColumnSlot(a, b, c)];
+  double q_a = ix >= k_ ? cap.q[0] : -cap.q[0];
+  double q_b = iy >= k_ ? cap.q[1] : -cap.q[1];
+  double q_c = iz >= k_ ? cap.q[2] : -cap.q[2];
+  const auto sort_pair = [](int& i, int& j, double& q_i, double& q_j) {
+    const bool swaps = i > j;
+    const int low = swaps ? j : i;
+    j = swaps ? i : j;
+    i = low;
+    const double q_low = swaps ? q_j : q_i;
+    q_j = swaps ? q_i : q_j;
+    q_i = q_low;
+  };
+  sort_pair(a, b, q_a, q_b);
+  sort_pair(b, c, q_b, q_c);
+  sort_pair(a, b, q_a, q_b);
+
+  const double q_w = cap.q[3];
+  for (int iw = first_layer; iw <= layers.last && nearest + Square(iw) <= Square(k_); ++iw) {
+    double dot = 0.0;
+    double squared_chord = 0.0;
+    const auto compare =
+        [&](int i, int j, int m, int largest, double q_0, double q_1, double q_2, double q_3) {
+          const Patch& patch =
+              patches_[static_cast<size_t>(first_patch_[TripleIndex(i, j, m)] + largest)];
+          const double p_0 = static_cast<double>(patch.centroid[0]);
+          const double p_1 = static_cast<double>(patch.centroid[1]);
+          const double p_2 = static_cast<double>(patch.centroid[2]);
+          const double p_3 = static_cast<double>(patch.centroid[3]);
+          dot = p_0 * q_0 + p_1 * q_1 + p_2 * q_2 + p_3 * q_3;
+          squared_chord =
+              Square(p_0 - q_0) + Square(p_1 - q_1) + Square(p_2 - q_2) + Square(p_3 - q_3);
+          return patch.area;
+        };
+    const double area = iw >= c   ? compare(a, b, c, iw, q_a, q_b, q_c, q_w)
+                        : iw >= b ? compare(a, b, iw, c, q_a, q_b, q_w, q_c)
+                        : iw >= a ? compare(a, iw, b, c, q_a, q_w, q_b, q_c)
+                                  : compare(iw, a, b, c, q_w, q_a, q_b, q_c);
+    if (squared_chord > cap.squared_chord || dot < 0.0) continue;
+    if (dot == 0.0 && !cap.keep_equator) continue;
+    cells->push_back({first_cell + iw, first_place + iw, SquaredAngle(squared_chord), area});
   }
 }
 
-// Walks the part of the lattice in the bounding box of the cap about q on the half sphere w >= 0.
-// Of w only the layers that meet the sphere are visited. Representatives at 90 degrees on the
-// sphere from q are as near to -q; they are kept in one of the two calls.
-void So3Grid::AppendCellsNear(const Eigen::Vector4d& q,
-                              double radius,
-                              bool keep_equator,
-                              std::vector<NearCell>* cells) const {
-  const double cap = 0.5 * radius;  // An angle on SO(3) is twice that on S^3.
-  const auto [x_first, x_last] = CellRange(q[0], cap, k_, -k_, k_ - 1);
-  const auto [y_first, y_last] = CellRange(q[1], cap, k_, -k_, k_ - 1);
-  const auto [z_first, z_last] = CellRange(q[2], cap, k_, -k_, k_ - 1);
-  const auto [w_first, w_last] = CellRange(q[3], cap, k_, 0, k_ - 1);
-  for (int x = x_first; x <= x_last; ++x) {
-    for (int y = y_first; y <= y_last; ++y) {
-      for (int z = z_first; z <= z_last; ++z) {
-        const Index above = LowerCorner({x + k_, y + k_, z + k_, 0});
-        const int nearest = Square(above[0]) + Square(above[1]) + Square(above[2]);
-        if (nearest > Square(k_)) continue;
-        const int farthest = Square(above[0] + 1) + Square(above[1] + 1) + Square(above[2] + 1);
-        // Layers iw with iw^2 <= k^2 - nearest and (iw + 1)^2 >= k^2 - farthest.
-        const int highest =
-            std::min(w_last, static_cast<int>(std::sqrt(Square(k_) - nearest + 0.5)));
-        int iw = w_first;
-        if (farthest < Square(k_)) {
-          const double layer = std::ceil(std::sqrt(Square(k_) - farthest - 0.5)) - 1.0;
-          iw = std::max(iw, static_cast<int>(layer));
-        }
-        for (; iw <= highest; ++iw) {
-          const Index index = {x + k_, y + k_, z + k_, iw};
-          const Eigen::Vector4d point = RepresentativeAt(index);
-          const double dot = point.dot(q);
-          if (dot < 0.0 || (dot == 0.0 && !keep_equator)) continue;
-          const double angle = 4.0 * std::asin(std::min(1.0, 0.5 * (point - q).norm()));
-          if (angle <= radius) cells->push_back({CellAt(index), angle});
-        }
+// Walks the cells, on the half sphere w >= 0, that come within the cap's chord of its center. Axis
+// after axis the reach shrinks by what the axes before have used up.
+void So3Grid::AppendCellsNear(const Cap& cap, std::vector<NearCell>* cells) const {
+  // A representative may lie outside of its cell, by the height of the sphere over the patch.
+  const double reach = std::sqrt(cap.squared_chord) * k_ + 0.5 / k_ + 1e-9;
+  const Eigen::Vector4d center = cap.q * k_;
+  const CellRange xs = Within(center[0], reach, -k_, k_ - 1);
+  for (int x = xs.first; x <= xs.last; ++x) {
+    const double rest_x = Square(reach) - Square(DistanceToCell(center[0], x));
+    if (rest_x < 0.0) continue;
+    const CellRange ys = Within(center[1], std::sqrt(rest_x), -k_, k_ - 1);
+    for (int y = ys.first; y <= ys.last; ++y) {
+      const double rest_y = rest_x - Square(DistanceToCell(center[1], y));
+      if (rest_y < 0.0) continue;
+      const CellRange zs = Within(center[2], std::sqrt(rest_y), -k_, k_ - 1);
+      for (int z = zs.first; z <= zs.last; ++z) {
+        const double rest_z = rest_y - Square(DistanceToCell(center[2], z));
+        if (rest_z < 0.0) continue;
+        AppendColumn(cap, {x + k_, y + k_, z + k_}, std::sqrt(rest_z), cells);
       }
     }
   }

@@ -72,13 +72,12 @@ object_estimates_t ObjectsToMessage(std::span<const ObjectEstimate> objects) {
 }
 
 orientation_histogram_t HistogramToMessage(const ObjectEstimate& object) {
-  using Entry = OrientationHistogram::Entry;
+  using Entry = CellWeights::Entry;
   orientation_histogram_t message{};
   message.instance_id = object.instance_id;
   message.model_id = object.model_id;
   message.k = object.histogram->grid().k();
-  std::vector<Entry> entries(object.histogram->entries().begin(),
-                             object.histogram->entries().end());
+  std::vector<Entry> entries = object.histogram->weights().Entries();
   if (entries.size() > kMostCells) {
     const auto last = entries.begin() + static_cast<std::ptrdiff_t>(kMostCells);
     std::nth_element(entries.begin(), last, entries.end(), [](const Entry& a, const Entry& b) {
@@ -91,7 +90,7 @@ orientation_histogram_t HistogramToMessage(const ObjectEstimate& object) {
   }
   for (const Entry& entry : entries) {
     message.cell.push_back(entry.cell);
-    message.weight.push_back(static_cast<float>(entry.weight));
+    message.weight.push_back(entry.weight);
   }
   message.num_cells = static_cast<int32_t>(message.cell.size());
   return message;

@@ -26,7 +26,7 @@ void ExpectSame(const OrientationFilter& a, const OrientationFilter& b) {
   }
   EXPECT_EQ(a.last_change(), b.last_change());
   EXPECT_EQ(a.converged(), b.converged());
-  ASSERT_EQ(a.histogram().entries().size(), b.histogram().entries().size());
+  ASSERT_EQ(a.histogram().weights().Entries(), b.histogram().weights().Entries());
 }
 
 TEST(OrientationFilter, FusingStepByStepEqualsFusingAtOnce) {

@@ -5,13 +5,22 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "common/rng.h"
 #include "common/so3.h"
+#include "fusion/sphere_patch.h"
 
 namespace vantage {
 namespace {
+
+bool Contains(const std::vector<So3Grid::Neighbor>& neighbors, So3Grid::Cell cell) {
+  return std::any_of(neighbors.begin(), neighbors.end(), [cell](const So3Grid::Neighbor& neighbor) {
+    return neighbor.cell == cell;
+  });
+}
 
 TEST(So3Grid, NumberOfCellsIsThePapers) {
   EXPECT_EQ(So3Grid(8).num_cells(), 8480);
@@ -168,16 +177,19 @@ TEST(So3Grid, CellsAtTheLatticesCornersAreValid) {
 TEST(So3Grid, NeighborsAreMutual) {
   for (const int k : {2, 3, 8}) {
     const So3Grid grid(k);
-    std::vector<So3Grid::Cell> neighbors;
-    std::vector<So3Grid::Cell> back;
+    std::vector<So3Grid::Neighbor> neighbors;
+    std::vector<So3Grid::Neighbor> back;
     for (const So3Grid::Cell cell : grid.ValidCells()) {
       grid.Neighbors(cell, &neighbors);
       ASSERT_GE(neighbors.size(), 4U);
-      for (const So3Grid::Cell neighbor : neighbors) {
-        ASSERT_NE(neighbor, cell);
-        ASSERT_TRUE(grid.IsValid(neighbor));
-        grid.Neighbors(neighbor, &back);
-        ASSERT_TRUE(std::binary_search(back.begin(), back.end(), cell));
+      std::set<So3Grid::Cell> once;
+      for (const So3Grid::Neighbor& neighbor : neighbors) {
+        ASSERT_NE(neighbor.cell, cell);
+        ASSERT_TRUE(grid.IsValid(neighbor.cell));
+        ASSERT_EQ(neighbor.ordinal, grid.Ordinal(neighbor.cell));
+        ASSERT_TRUE(once.insert(neighbor.cell).second);
+        grid.Neighbors(neighbor.cell, &back);
+        ASSERT_TRUE(Contains(back, cell));
       }
     }
   }
@@ -189,9 +201,9 @@ TEST(So3Grid, NeighborsCrossHalfTurns) {
   const So3Grid::Cell before = grid.CellOf(ExpSo3((M_PI - 0.01) * axis));
   const So3Grid::Cell after = grid.CellOf(ExpSo3((M_PI + 0.01) * axis));
   ASSERT_NE(before, after);
-  std::vector<So3Grid::Cell> neighbors;
+  std::vector<So3Grid::Neighbor> neighbors;
   grid.Neighbors(before, &neighbors);
-  EXPECT_TRUE(std::binary_search(neighbors.begin(), neighbors.end(), after));
+  EXPECT_TRUE(Contains(neighbors, after));
 }
 
 TEST(So3Grid, CellsWithinEqualsSearchingAllCells) {
@@ -212,12 +224,45 @@ TEST(So3Grid, CellsWithinEqualsSearchingAllCells) {
         if (GeodesicAngle(q, grid.Representative(cell)) <= radius) expected.push_back(cell);
       }
       ASSERT_EQ(near.size(), expected.size()) << "k " << k << " radius " << radius;
+      std::sort(
+          near.begin(), near.end(), [](const auto& a, const auto& b) { return a.cell < b.cell; });
       for (size_t n = 0; n < near.size(); ++n) {
         ASSERT_EQ(near[n].cell, expected[n]);
-        ASSERT_NEAR(near[n].angle, GeodesicAngle(q, grid.Representative(near[n].cell)), 1e-9);
+        ASSERT_EQ(near[n].ordinal, grid.Ordinal(near[n].cell));
+        ASSERT_EQ(near[n].area, grid.Area(near[n].cell));
+        const double angle = GeodesicAngle(q, grid.Representative(near[n].cell));
+        ASSERT_NEAR(near[n].squared_angle, angle * angle, 1e-6);
       }
     }
   }
+}
+
+TEST(So3Grid, OrdinalsCountTheValidCells) {
+  for (const int k : {2, 3, 7, 8, 16}) {
+    const So3Grid grid(k);
+    std::vector<So3Grid::Cell> by_ordinal;
+    grid.CellsAt(0, grid.num_cells(), &by_ordinal);
+    ASSERT_EQ(by_ordinal.size(), static_cast<size_t>(grid.num_cells()));
+    std::vector<So3Grid::Cell> run;
+    for (int32_t i = 0; i < grid.num_cells(); ++i) {
+      ASSERT_EQ(grid.Ordinal(by_ordinal[static_cast<size_t>(i)]), i);
+      if (i % 37 != 0) continue;
+      const int32_t count = std::min(3, grid.num_cells() - i);
+      grid.CellsAt(i, count, &run);
+      ASSERT_TRUE(std::equal(run.begin(), run.end(), by_ordinal.begin() + i));
+    }
+    std::sort(by_ordinal.begin(), by_ordinal.end());
+    EXPECT_EQ(by_ordinal, grid.ValidCells());
+  }
+}
+
+TEST(So3Grid, OutOfRangeIsAnError) {
+  for (const int k : {-1, 0, 1, 129, 1 << 30}) {
+    const Result<So3Grid> grid = So3Grid::Create(k);
+    ASSERT_FALSE(grid.ok()) << k;
+    EXPECT_NE(grid.error().message.find("expected 2..128"), std::string::npos);
+  }
+  EXPECT_TRUE(So3Grid::Create(2).ok());
 }
 
 TEST(So3Grid, LargestGridFitsItsNumbers) {
