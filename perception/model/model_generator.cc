@@ -7,6 +7,7 @@
 
 #include "common/format.h"
 #include "common/so3.h"
+#include "perception/model/generated_shapes.h"
 #include "perception/model/mesh_primitives.h"
 
 namespace vantage {
@@ -16,16 +17,6 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kSegments = 48;  // of round bodies; a multiple of 2, 3, 4 and 6
 
 using Profile = std::vector<Eigen::Vector2d>;
-
-Pose At(double x, double y, double z) {
-  Pose pose = Pose::Identity();
-  pose.translation() = Eigen::Vector3d(x, y, z);
-  return pose;
-}
-
-Pose Turned(double angle, const Eigen::Vector3d& axis) {
-  return Pose(Eigen::AngleAxisd(angle, axis));
-}
 
 // Flange with two ears, upright body, dome, a pipe along y; one ear carries a boss.
 TriangleMesh Filter() {
@@ -241,7 +232,7 @@ SymmetryGroup AboutZ() {
   return SymmetryGroup::Cyclic(kOrder, Eigen::Vector3d::UnitZ());
 }
 
-const std::array<Recipe, 10> kRecipes = {{
+const std::array<Recipe, 18> kRecipes = {{
     {"filter", "filter housing, 2-fold but for one boss", Filter, SymmetryGroup::None},
     {"shampoo", "flat bottle, 2-fold", Shampoo, AboutZ<2>},
     {"hub", "four-armed part, 4-fold but for one boss", Hub, SymmetryGroup::None},
@@ -258,6 +249,14 @@ const std::array<Recipe, 10> kRecipes = {{
     {"bracket", "bracket with rib and bosses, no symmetry", Bracket, SymmetryGroup::None},
     {"gear", "six-toothed wheel on a shaft, 6-fold", Gear, AboutZ<6>},
     {"duck", "duck that looks aside, free-form", Duck, SymmetryGroup::None},
+    {"cat", "sitting cat, free-form", Cat, SymmetryGroup::None},
+    {"dwarf", "garden gnome that waves, free-form", Dwarf, SymmetryGroup::None},
+    {"fish", "goldfish, free-form, left and right alike", Fish, SymmetryGroup::None},
+    {"pitcher", "jug, continuous but for lip and handle", Pitcher, SymmetryGroup::None},
+    {"pony", "standing pony, free-form", Pony, SymmetryGroup::None},
+    {"sauce", "flat bottle, 2-fold but for its thumb rest", Sauce, SymmetryGroup::None},
+    {"spray", "spray bottle, 2-fold but for its trigger", Spray, SymmetryGroup::None},
+    {"turtle", "turtle, free-form, left and right alike", Turtle, SymmetryGroup::None},
 }};
 
 }  // namespace

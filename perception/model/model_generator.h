@@ -28,6 +28,14 @@ struct GeneratedObject {
 ///   bracket  no symmetry
 ///   gear     6-fold about z
 ///   duck     no symmetry, free-form
+///   cat      no symmetry, free-form
+///   dwarf    no symmetry, free-form
+///   fish     no symmetry, free-form; left and right alike
+///   pitcher  no symmetry: continuous but for its lip and its handle
+///   pony     no symmetry, free-form
+///   sauce    no symmetry but for a thumb rest 2-fold
+///   spray    no symmetry: its body is 2-fold, its head is not
+///   turtle   no symmetry, free-form; left and right alike
 std::vector<std::string> GeneratedObjectNames();
 
 /// Always the same mesh for a name. Errors: no such object; the message lists them.
