@@ -54,8 +54,8 @@ BoxData MakeBoxes(const EvaluationResults& results, bool symmetric) {
 constexpr const char* kPlot =
     "plot $boxes using 2:1:($3-$2):(0):7 with vectors nohead lw 1.5 lc rgb variable, "
     "$boxes using 5:1:($6-$5):(0):7 with vectors nohead lw 1.5 lc rgb variable, "
-    "$boxes using 4:1:3:5:($1-0.3):($1+0.3):7 with boxxyerror fs transparent solid 0.25 border "
-    "lc rgb variable, "
+    "$boxes using 4:1:3:5:($1-0.3):($1+0.3):7 with boxxyerror lc rgb variable "
+    "fs transparent solid 0.3 border, "
     "$boxes using 4:($1-0.3):(0):(0.6):7 with vectors nohead lw 3 lc rgb variable";
 
 }  // namespace
@@ -86,8 +86,7 @@ Result<std::string> BoxFigure(const EvaluationResults& results, bool symmetric) 
   const char* unit = symmetric ? "degrees, modulo symmetry" : "degrees";
   script += "set multiplot\n" + PlacePanel({0.205, 0.59, bottom, top}) + MethodRows(results, true) +
             Format("set title 'all errors'\nset xlabel 'final error (%s)'\n", unit) +
-            LogarithmicRange('x', data.least, std::min(data.greatest, 200.0)) +
-            (data.greatest > 100.0 ? "set xrange [*:250]\n" : "") + plot + "\n";
+            LogarithmicRange('x', data.least, data.greatest) + plot + "\n";
   script += PlacePanel({0.615, 0.985, bottom, top}) + MethodRows(results, false) +
             Format("unset logscale x\nset title 'up to %.2g°'\nset xrange [0:%g]\n", zoom, zoom) +
             plot + "\n";

@@ -13,11 +13,17 @@
 namespace vantage {
 namespace {
 
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Differences are drawn at asinh(difference / this): linear near 0, logarithmic far from it.
+// Values are drawn at asinh(value / this): linear near 0, logarithmic far from it.
 constexpr double kLinearWithinDeg = 0.02;
+constexpr double kLinearWithinPercent = 0.5;
 
-double Stretch(double difference_deg) { return std::asinh(difference_deg / kLinearWithinDeg); }
+Interval Stretched(const Interval& interval, double factor) {
+  return {std::asinh(factor * interval.value),
+          std::asinh(factor * interval.low),
+          std::asinh(factor * interval.high)};
+}
 
 struct Range {
   double low = kInfinity;
@@ -63,42 +69,32 @@ std::string PlotColumn(const EvaluationResults& results,
     const std::string block = Format("$%s%zu", name.c_str(), i);
     script += block + " << END\n" + points[i] + "END\n";
     plot += plot.empty() ? "plot " : ", ";
-    plot += block + " using 1:4:2:3:5 with xerrorbars pt 0 lw 2 lc rgb variable, " + block +
-            " using 1:4:5 with points pt 7 ps 0.9 lc rgb variable";
+    plot += block + " using 1:4:2:3:5 with xerrorbars pt 0 lw 2.4 lc rgb variable, " + block +
+            " using 1:4:5 with points pt 7 ps 0.75 lc rgb variable";
     // A hollow point is a filled one with a white middle.
-    if (i == 1) plot += ", " + block + " using 1:4 with points pt 7 ps 0.5 lc rgb '#ffffff'";
+    if (i == 1) plot += ", " + block + " using 1:4 with points pt 7 ps 0.4 lc rgb '#ffffff'";
   }
   return plot.empty() ? script : script + plot + "\n";
 }
 
-std::string DifferenceAxis(const Range& range) {
+// The axis of values that were stretched by `scale`.
+std::string StretchedAxis(const Range& range, double scale, double least_low, double least_high) {
+  const auto place = [scale](double value) { return std::asinh(value / scale); };
+  const double low = std::min(range.low, place(least_low));
+  const double high = std::max(range.high, place(least_high));
   std::vector<double> tics;
-  const double low = std::min(range.low, Stretch(-0.03));
-  const double high = std::max(range.high, Stretch(0.3));
-  for (const double tic : {-100.0, -10.0, -1.0, -0.1, 0.0, 0.1, 1.0, 10.0, 100.0}) {
-    if (Stretch(tic) >= low && Stretch(tic) <= high) tics.push_back(tic);
+  for (const double tic : {-100.0, -10.0, -1.0, -0.1, 0.1, 1.0, 10.0, 100.0}) {
+    if (place(tic) >= low && place(tic) <= high) tics.push_back(tic);
   }
+  const bool crowded = tics.size() > 5;
   std::string text =
-      Format("unset logscale x\nset xrange [%g:%g]\nset xtics (", low - 0.4, high + 0.4);
-  const bool crowded = tics.size() > 6;
-  for (size_t i = 0; i < tics.size(); ++i) {
-    const bool labeled =
-        !crowded || tics[i] == 0.0 || std::abs(tics[i]) == 1.0 || std::abs(tics[i]) == 100.0;
-    text += Format("%s'%s' %g",
-                   i == 0 ? "" : ", ",
-                   labeled ? Format("%g", tics[i]).c_str() : "",
-                   Stretch(tics[i]));
+      Format("unset logscale x\nset xrange [%g:%g]\nset xtics ('0' 0", low - 0.3, high + 0.3);
+  for (const double tic : tics) {
+    if (std::abs(tic) < 2.0 * scale) continue;  // Too near to 0.
+    const bool labeled = !crowded || std::abs(tic) == 1.0 || std::abs(tic) == 100.0;
+    text += Format(", '%s' %g", labeled ? Format("%g", tic).c_str() : "", place(tic));
   }
   return text + ")\n";
-}
-
-std::string LinearAxis(const Range& range, double least) {
-  const double low = std::min(range.low, 0.0);
-  const double high = std::max({range.high, 0.0, low + least});
-  const double margin = 0.04 * (high - low);
-  const double step = high - low > 60 ? 25 : high - low > 25 ? 10 : high - low > 10 ? 5 : 2;
-  return Format(
-      "unset logscale x\nset xtics %g\nset xrange [%g:%g]\n", step, low - margin, high + margin);
 }
 
 constexpr const char* kZeroLine =
@@ -114,37 +110,35 @@ Result<std::string> ForestFigure(const EvaluationResults& results) {
   Column rate_differences;
   for (size_t i = 0; i < results.accuracy.size(); ++i) {
     const MethodAccuracy& accuracy = results.accuracy[i];
-    const bool best = results.methods[i].id == results.best_ours;
     const Interval& median = accuracy.median_deg;
     medians.Add({DrawnError(median.value), DrawnError(median.low), DrawnError(median.high)}, true);
-    const Interval& rate = accuracy.wrong_mode_rate;
-    rates.Add({100 * rate.value, 100 * rate.low, 100 * rate.high}, true);
+    rates.Add(Stretched(accuracy.wrong_mode_rate, 100.0 / kLinearWithinPercent), true);
     Interval paired = accuracy.median_difference_deg;
-    Interval rate_difference = accuracy.difference_of_wrong_mode_rates;
-    if (best) paired = rate_difference = {NAN, NAN, NAN};  // To itself.
-    differences.Add({Stretch(paired.value), Stretch(paired.low), Stretch(paired.high)},
-                    ExcludesZero(paired));
-    rate_differences.Add(
-        {100 * rate_difference.value, 100 * rate_difference.low, 100 * rate_difference.high},
-        ExcludesZero(rate_difference));
+    Interval rate = accuracy.difference_of_wrong_mode_rates;
+    if (results.methods[i].id == results.best_ours) paired = rate = {kNone, kNone, kNone};
+    differences.Add(Stretched(paired, 1.0 / kLinearWithinDeg), ExcludesZero(paired));
+    rate_differences.Add(Stretched(rate, 100.0 / kLinearWithinPercent), ExcludesZero(rate));
   }
   const int height = 110 + 27 * static_cast<int>(results.methods.size());
   const double bottom = 62.0 / height;
   const double top = 1.0 - 38.0 / height;
-  std::string script = FigureHead(1120, height) + "set multiplot\nset border 1 lc rgb '#888888'\n";
+  std::string script =
+      FigureHead(1120, height) + "set multiplot\nset errorbars 0\nset border 1 lc rgb '#888888'\n";
   script += PlacePanel({0.205, 0.405, bottom, top}) + MethodRows(results, true) +
             "set title 'median error'\nset xlabel 'degrees'\n" +
             LogarithmicRange('x', medians.range.low, medians.range.high) +
             PlotColumn(results, medians, "medians");
   script += PlacePanel({0.42, 0.62, bottom, top}) + MethodRows(results, false) + kZeroLine +
             "set title 'its difference to the best of ours'\nset xlabel 'degrees, paired'\n" +
-            DifferenceAxis(differences.range) + PlotColumn(results, differences, "differences");
+            StretchedAxis(differences.range, kLinearWithinDeg, -0.03, 0.3) +
+            PlotColumn(results, differences, "differences");
   script += PlacePanel({0.645, 0.805, bottom, top}) + MethodRows(results, false) +
             "unset arrow\nset title 'wrong-mode rate'\nset xlabel 'percent'\n" +
-            LinearAxis(rates.range, 5) + PlotColumn(results, rates, "rates");
+            StretchedAxis(rates.range, kLinearWithinPercent, 0.0, 12.0) +
+            PlotColumn(results, rates, "rates");
   script += PlacePanel({0.83, 0.985, bottom, top}) + MethodRows(results, false) + kZeroLine +
             "set title 'its difference'\nset xlabel 'percentage points'\n" +
-            LinearAxis(rate_differences.range, 5) +
+            StretchedAxis(rate_differences.range, kLinearWithinPercent, -1.1, 1.1) +
             PlotColumn(results, rate_differences, "rate_differences");
   return RunGnuplot(script + "unset multiplot\n");
 }

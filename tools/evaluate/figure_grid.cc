@@ -59,14 +59,15 @@ class Shade {
   double high_ = -1e300;
 };
 
-std::string Frame(double column, double row, const char* style) {
+// `half`: of the frame's side.
+std::string Frame(double column, double row, double half, const char* style) {
   return Format(
       "set object rectangle from first %g, first %g to first %g, first %g front fs empty border "
-      "lc rgb '%s' lw 2.5 %s\n",
-      column - 0.46,
-      row - 0.46,
-      column + 0.46,
-      row + 0.46,
+      "lc rgb '%s' %s\n",
+      column - half,
+      row - half,
+      column + half,
+      row + half,
       kDetectionColor,
       style);
 }
@@ -80,7 +81,7 @@ std::string Frames(const ClusteringSweep& sweep) {
     for (size_t j = 0; j < sweep.w_max.size(); ++j) {
       if (std::abs(sweep.w_min[i] - kPaperSweepBest.w_min) < 1e-6 &&
           std::abs(sweep.w_max[j] - kPaperSweepBest.w_max) < 1e-6) {
-        script += Frame(static_cast<double>(j), static_cast<double>(i), "dt 2");
+        script += Frame(static_cast<double>(j), static_cast<double>(i), 0.38, "lw 2 dt 2");
       }
       if (!(sweep.mean_error_deg[i][j] < least)) continue;
       least = sweep.mean_error_deg[i][j];
@@ -89,7 +90,8 @@ std::string Frames(const ClusteringSweep& sweep) {
     }
   }
   if (least == 1e300) return script;
-  return script + Frame(static_cast<double>(best_column), static_cast<double>(best_row), "");
+  return script +
+         Frame(static_cast<double>(best_column), static_cast<double>(best_row), 0.46, "lw 3");
 }
 
 std::string Tics(char axis, const std::vector<double>& values) {

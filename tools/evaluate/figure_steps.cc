@@ -37,22 +37,32 @@ class Panel {
   void Add(const std::vector<double>& errors_deg,
            const std::string& with,
            const std::string& title) {
+    if (!title.empty()) {
+      key_ += (key_.empty() ? "keyentry with " : ", keyentry with ") + with + " title " + title;
+    }
+    if (Finite(errors_deg).empty()) return;
     const std::string block = Format("$errors%zu_%zu", index_, count_++);
     data_ += block + " << END\n";
-    bool any = false;
     for (size_t view = 0; view < errors_deg.size(); ++view) {
-      const double drawn = DrawnError(errors_deg[view]);
-      any = any || std::isfinite(drawn);
-      data_ += Format("%zu %s\n", view + 1, DataNumber(drawn).c_str());
+      data_ += Format("%zu %s\n", view + 1, DataNumber(DrawnError(errors_deg[view])).c_str());
     }
     data_ += "END\n";
-    if (!any) return;
-    plot_ += (plot_.empty() ? "plot " : ", ") + block + " using 1:2 with " + with +
-             (title.empty() ? " notitle" : " title " + title);
+    plot_ += (plot_.empty() ? "plot " : ", ") + block + " using 1:2 with " + with + " notitle";
   }
   /// An empty panel still has its axes.
   [[nodiscard]] std::string Script() const {
-    return data_ + (plot_.empty() ? "plot NaN\n" : plot_ + "\n");
+    return data_ + (plot_.empty() ? "plot NaN notitle\n" : plot_ + "\n");
+  }
+  /// Script of a key at the bottom of the figure, as wide as it.
+  [[nodiscard]] std::string Key(int height, int rows) const {
+    return PlacePanel({0.07, 0.98, 0.0, 58.0 / height}) +
+           Format(
+               "unset border\nunset tics\nunset xlabel\nunset ylabel\nunset title\n"
+               "unset logscale\nset xrange [0:1]\nset yrange [0:1]\n"
+               "set key center center vertical maxrows %d Left reverse samplen 2.5 width 1\n"
+               "plot NaN notitle, %s\n",
+               rows,
+               key_.c_str());
   }
 
  private:
@@ -60,6 +70,7 @@ class Panel {
   size_t count_ = 0;
   std::string data_;
   std::string plot_;
+  std::string key_;
 };
 
 void Extend(const std::vector<double>& errors_deg, double* low, double* high) {
@@ -75,8 +86,7 @@ std::string ErrorRange(const std::vector<const std::vector<double>*>& lines) {
   double low = 1.0;
   double high = 10.0;
   for (const std::vector<double>* line : lines) Extend(*line, &low, &high);
-  return LogarithmicRange('y', low, std::min(high * 1.05, 1000.0)) +
-         (high > 100.0 ? "set yrange [*:250]\n" : "");
+  return LogarithmicRange('y', low, high);
 }
 
 std::string ViewAxis(size_t views) {
@@ -95,10 +105,7 @@ size_t MostViews(const EvaluationResults& results) {
   return views;
 }
 
-void AddCompared(const EvaluationResults& results,
-                 const CircleErrors& object,
-                 bool titles,
-                 Panel* panel) {
+void AddCompared(const EvaluationResults& results, const CircleErrors& object, Panel* panel) {
   for (const Line& line : kComparedLines) {
     const std::optional<size_t> method = FindMethod(results, line.method_id);
     if (!method) continue;
@@ -112,33 +119,33 @@ void AddCompared(const EvaluationResults& results,
         FigureText(MethodName(results.methods[*method]) + (runs ? ", mean of runs" : ""));
     panel->Add(runs ? MeanOfRuns(object.particle_runs_deg) : object.step_symmetric_deg[*method],
                std::string("lines ") + line.style,
-               titles ? title : "");
+               title);
   }
 }
 
-std::string StepPanel(const EvaluationResults& results, size_t index, size_t place, bool titles) {
+Panel StepPanel(const EvaluationResults& results, size_t index, size_t place) {
   const CircleErrors& object = results.circle[index];
   Panel panel(place);
-  AddCompared(results, object, titles, &panel);
+  AddCompared(results, object, &panel);
   panel.Add(RunningMean(object.detection_symmetric_deg),
             Format("lines lw 1.5 lc rgb '%s'", kDetectionColor),
-            titles ? "'mean of the detections'" : "");
+            "'mean of the detections'");
   const std::optional<size_t> paper = FindMethod(results, kCwVwId);
   const std::optional<size_t> best = BestOurs(results);
   if (paper && paper != best) {
     panel.Add(object.step_symmetric_deg[*paper],
               "lines lw 2.2 lc rgb '#6da7dd'",
-              titles ? FigureText(MethodName(results.methods[*paper])) : "");
+              FigureText(MethodName(results.methods[*paper])));
   }
   if (best) {
     panel.Add(object.step_symmetric_deg[*best],
               Format("lines lw 3.4 lc rgb '%s'", kOursColor),
-              titles ? FigureLabel(results.methods[*best]) : "");
+              FigureLabel(results.methods[*best]));
   }
   panel.Add(object.detection_symmetric_deg,
-            Format("points pt 3 ps 0.6 lc rgb '%s'", kDetectionColor),
-            titles ? "'detections'" : "");
-  return "set title " + FigureText(object.model_id, 24) + "\n" + panel.Script();
+            Format("points pt 3 ps 0.6 lw 1.4 lc rgb '%s'", kDetectionColor),
+            "'detections'");
+  return panel;
 }
 
 }  // namespace
@@ -198,19 +205,22 @@ Result<std::string> StepFigure(const EvaluationResults& results) {
     }
     for (const std::vector<double>& run : object.particle_runs_deg) lines.push_back(&run);
   }
-  std::string script = FigureHead(1120, 500) + "set multiplot\n" + ErrorRange(lines) +
+  constexpr int kHeight = 490;
+  std::string key;
+  std::string script = FigureHead(1120, kHeight) + "set multiplot\n" + ErrorRange(lines) +
                        ViewAxis(MostViews(results)) + "set xlabel 'views'\n";
   for (size_t i = 0; i < objects.size(); ++i) {
     const double left = 0.07 + 0.312 * static_cast<double>(i);
-    script += PlacePanel({left, left + 0.285, 0.24, 0.92});
+    script += PlacePanel({left, left + 0.285, 0.25, 0.92});
     script += i == 0 ? "set ylabel 'error modulo symmetry (degrees)'\n"
                      : "unset ylabel\nset format y ''\n";
-    // All panels have the same lines: one key, below them.
-    script += i == 0 ? "set key at screen 0.53, screen 0.11 center top horizontal maxcols 4 "
-                       "Left reverse samplen 2.5 width 1\n"
-                     : "unset key\n";
-    script += StepPanel(results, objects[i], i, i == 0);
+    const Panel panel = StepPanel(results, objects[i], i);
+    script +=
+        "set title " + FigureText(results.circle[objects[i]].model_id, 24) + "\n" + panel.Script();
+    // The lines are the same in all panels.
+    if (i == 0) key = panel.Key(kHeight, 2);
   }
+  script += key;
   return RunGnuplot(script + "unset multiplot\n");
 }
 
@@ -219,12 +229,13 @@ Result<std::string> ObjectsFigure(const EvaluationResults& results) {
   if (results.circle.empty() || !best) return std::string();
   constexpr size_t kColumns = 4;
   const size_t rows = (results.circle.size() + kColumns - 1) / kColumns;
-  const int height = 80 + 185 * static_cast<int>(rows);
+  const int height = 105 + 185 * static_cast<int>(rows);
   std::vector<const std::vector<double>*> lines;
   for (const CircleErrors& object : results.circle) {
     lines.push_back(&object.detection_symmetric_deg);
     lines.push_back(&object.step_symmetric_deg[*best]);
   }
+  std::string key;
   std::string script = FigureHead(1120, height, 13) + "set multiplot\n" + ErrorRange(lines) +
                        ViewAxis(MostViews(results));
   const double panel = 185.0 / height;
@@ -233,28 +244,25 @@ Result<std::string> ObjectsFigure(const EvaluationResults& results) {
     const size_t row = i / kColumns;
     const size_t column = i % kColumns;
     const bool lowest = i + kColumns >= results.circle.size();
-    const double left = 0.065 + 0.236 * static_cast<double>(column);
+    const double left = 0.075 + 0.233 * static_cast<double>(column);
     const double top = 1.0 - 26.0 / height - panel * static_cast<double>(row);
     script += PlacePanel({left, left + 0.215, top - 145.0 / height, top});
     script += column == 0 ? "set ylabel 'error (degrees)'\nset format y '%g'\n"
                           : "unset ylabel\nset format y ''\n";
     script +=
         lowest ? "set xlabel 'views'\nset format x '%g'\n" : "unset xlabel\nset format x ''\n";
-    script += i == 0 ? Format(
-                           "set key at screen 0.53, screen %.4f center bottom horizontal "
-                           "Left reverse samplen 2.5 width 2\n",
-                           3.0 / height)
-                     : "unset key\n";
     Panel lines_and_points(i);
     lines_and_points.Add(object.detection_symmetric_deg,
-                         Format("points pt 3 ps 0.5 lc rgb '%s'", kDetectionColor),
-                         i == 0 ? "'detections'" : "");
+                         Format("points pt 3 ps 0.5 lw 1.4 lc rgb '%s'", kDetectionColor),
+                         "'detections'");
     lines_and_points.Add(object.step_symmetric_deg[*best],
                          Format("lines lw 2.6 lc rgb '%s'", kOursColor),
-                         i == 0 ? FigureLabel(results.methods[*best]) : "");
+                         FigureLabel(results.methods[*best]));
     script += "set title " + FigureText(object.model_id, 24) + " offset 0,-0.6\n" +
               lines_and_points.Script();
+    if (i == 0) key = lines_and_points.Key(height, 1);
   }
+  script += key;
   return RunGnuplot(script + "unset multiplot\n");
 }
 

@@ -114,9 +114,10 @@ std::string MethodRows(const EvaluationResults& results, bool names) {
 
 std::string LogarithmicRange(char axis, double low, double high) {
   const double bottom = std::pow(10.0, std::floor(std::log10(low) + 1e-9));
-  const double top = std::pow(10.0, std::ceil(std::log10(high) - 1e-9));
-  return Format(
-      "set logscale %c\nset %crange [%g:%g]\n", axis, axis, bottom, std::max(top, 10.0 * bottom));
+  const double decade = std::pow(10.0, std::ceil(std::log10(high) - 1e-9));
+  // No error lies in most of the decade above 100.
+  const double top = decade > 999.0 && high < 200.0 ? 250.0 : std::max(decade, 10.0 * bottom);
+  return Format("set logscale %c\nset %crange [%g:%g]\n", axis, axis, bottom, top);
 }
 
 }  // namespace vantage

@@ -48,7 +48,7 @@ std::string PlacePanel(const PanelPlace& place);
 std::string MethodRows(const EvaluationResults& results, bool names);
 double RowOfMethod(const EvaluationResults& results, size_t method);
 
-/// Logarithmic x axis over whole decades round [low, high].
+/// A logarithmic axis ('x', 'y') over whole decades round [low, high]; from 100 on it ends at 250.
 std::string LogarithmicRange(char axis, double low, double high);
 
 }  // namespace vantage

@@ -1,5 +1,6 @@
 #include "tools/evaluate/report_html.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "tools/evaluate/report_numbers.h"
@@ -29,7 +30,7 @@ th,td { text-align:right; padding:5px 9px; border-bottom:1px solid var(--line); 
 th { color:var(--soft); font-weight:600; font-size:.86rem; white-space:normal; vertical-align:bottom; }
 th:first-child,td:first-child { text-align:left; }
 tr:last-child td { border-bottom:0; }
-.dense th,.dense td { padding:3px 5px; font-size:.8rem; }
+.dense th,.dense td { padding:3px 4px; font-size:.78rem; } .ci { color:var(--soft); font-size:.92em; }
 .ours { color:var(--ours); font-weight:600; } th.ours { color:var(--ours); }
 tr.best td { background:var(--shade); } tr.paper td { color:var(--soft); font-size:.74rem; }
 .first { font-weight:700; } .second { font-style:italic; } .far { color:var(--bad); }
@@ -89,11 +90,19 @@ std::string MethodHtml(const MethodInfo& method) {
   return method.is_past_paper ? name + "<span class=\"new\">new</span>" : name;
 }
 
-std::string IntervalText(const Interval& interval, double factor, int decimals) {
+std::string IntervalText(const Interval& interval, double factor, int decimals, const char* unit) {
   if (!std::isfinite(interval.value)) return "–";
-  return NumberText(factor * interval.value, decimals) + " [" +
+  return NumberText(factor * interval.value, decimals) + unit + " [" +
          NumberText(factor * interval.low, decimals) + ", " +
          NumberText(factor * interval.high, decimals) + "]";
+}
+
+std::string IntervalCell(const Interval& interval, double factor, int decimals) {
+  if (!std::isfinite(interval.value)) return HtmlCell("–");
+  const int digits = std::abs(factor * interval.value) < 10.0 ? decimals : std::min(decimals, 1);
+  return "<td>" + NumberText(factor * interval.value, digits) + " <span class=\"ci\">[" +
+         NumberText(factor * interval.low, digits) + ", " +
+         NumberText(factor * interval.high, digits) + "]</span></td>";
 }
 
 }  // namespace vantage

@@ -38,7 +38,9 @@ std::string HeadCell(const std::string& text, const char* css_class = "");
 /// The name of a method with a mark where the paper doesn't have it, ours in blue. HTML.
 std::string MethodHtml(const MethodInfo& method);
 
-/// "0.12 [0.11, 0.14]" times `factor`.
-std::string IntervalText(const Interval& interval, double factor, int decimals);
+/// "0.12° [0.11, 0.14]", times `factor`.
+std::string IntervalText(const Interval& interval, double factor, int decimals, const char* unit);
+/// The same as a cell without the unit; values of 10 and more get one decimal at most.
+std::string IntervalCell(const Interval& interval, double factor, int decimals);
 
 }  // namespace vantage

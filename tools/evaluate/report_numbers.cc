@@ -72,6 +72,10 @@ std::string NumberText(double value, int decimals) {
   return std::isfinite(value) ? Format("%.*f", decimals, value) : "–";
 }
 
+std::string CompactText(double value) {
+  return NumberText(value, value < 9.9995 ? 3 : value < 99.995 ? 2 : 1);
+}
+
 std::string ListText(const std::vector<std::string>& names) {
   std::string text;
   for (size_t i = 0; i < names.size(); ++i) {

@@ -45,6 +45,8 @@ bool ExcludesZero(const Interval& interval);
 
 /// Three decimals as the paper has, a dash for NaN.
 std::string NumberText(double value, int decimals = 3);
+/// Four digits at most, three decimals at most, for tables of many columns.
+std::string CompactText(double value);
 /// "duck, gear and mug".
 std::string ListText(const std::vector<std::string>& names);
 /// The label, or the id where it has none.

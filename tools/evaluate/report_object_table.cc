@@ -32,8 +32,8 @@ struct Leaders {
 };
 
 std::string PaperRow(const EvaluationResults& results, const PaperObject& paper) {
-  std::string row =
-      "<tr class=\"paper\">" + HtmlCell("paper") + HtmlCell(NumberText(paper.median_detection_deg));
+  std::string row = "<tr class=\"paper\">" + HtmlCell("paper") +
+                    HtmlCell(CompactText(paper.median_detection_deg));
   const Leaders leaders({paper.final_deg.begin(), paper.final_deg.end()});
   for (const MethodInfo& method : results.methods) {
     const int column = PaperColumn(method.id);
@@ -42,7 +42,7 @@ std::string PaperRow(const EvaluationResults& results, const PaperObject& paper)
       continue;
     }
     const double error = paper.final_deg[static_cast<size_t>(column)];
-    row += HtmlCell(NumberText(error), leaders.Class(error));
+    row += HtmlCell(CompactText(error), leaders.Class(error));
   }
   return row + "</tr>";
 }
@@ -67,8 +67,8 @@ std::string ObjectTable(const EvaluationResults& results, bool symmetric, const 
     const std::vector<double> finals = Finals(object, symmetric);
     const Leaders leaders(finals);
     rows += "<tr><td title=\"" + EscapeHtml(object.symmetry) + "\">" + EscapeHtml(object.model_id) +
-            "</td>" + HtmlCell(detections.empty() ? "–" : NumberText(Median(detections)));
-    for (const double error : finals) rows += HtmlCell(NumberText(error), leaders.Class(error));
+            "</td>" + HtmlCell(detections.empty() ? "–" : CompactText(Median(detections)));
+    for (const double error : finals) rows += HtmlCell(CompactText(error), leaders.Class(error));
     rows += "</tr>";
     const PaperObject* paper = FindPaperObject(object.model_id);
     if (paper != nullptr) rows += PaperRow(results, *paper);

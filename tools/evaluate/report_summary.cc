@@ -40,17 +40,16 @@ std::string AccuracyRow(const EvaluationResults& results, size_t index) {
   const MethodAccuracy& accuracy = results.accuracy[index];
   const bool best = method.id == results.best_ours;
   std::string row = best ? "<tr class=\"best\">" : "<tr>";
-  row += "<td>" + MethodHtml(method) + "</td>" + HtmlCell(IntervalText(accuracy.median_deg, 1, 3)) +
-         HtmlCell(IntervalText(accuracy.mean_deg, 1, 2)) +
-         HtmlCell(IntervalText(accuracy.wrong_mode_rate, 100, 1));
+  row += "<td>" + MethodHtml(method) + "</td>" + IntervalCell(accuracy.median_deg, 1, 3) +
+         IntervalCell(accuracy.mean_deg, 1, 2) + IntervalCell(accuracy.wrong_mode_rate, 100, 1);
   if (best) {
     row += "<td colspan=\"4\" class=\"soft\">the best of ours: differences are to this row</td>";
   } else {
     const Verdict paired = Judge(accuracy.median_difference_deg);
     const Verdict rate = Judge(accuracy.difference_of_wrong_mode_rates);
-    row += HtmlCell(IntervalText(accuracy.median_difference_deg, 1, 3)) +
+    row += IntervalCell(accuracy.median_difference_deg, 1, 3) +
            HtmlCell(paired.text, paired.css_class) +
-           HtmlCell(IntervalText(accuracy.difference_of_wrong_mode_rates, 100, 1)) +
+           IntervalCell(accuracy.difference_of_wrong_mode_rates, 100, 1) +
            HtmlCell(rate.text, rate.css_class);
   }
   return row + HtmlCell(std::to_string(accuracy.num_without_estimate)) + "</tr>";
@@ -143,9 +142,9 @@ std::string SequenceRow(const EvaluationResults& results, const SequenceErrors& 
                                         : Format("%.0f",
                                                  100.0 * static_cast<double>(object.num_found) /
                                                      static_cast<double>(object.num_views)));
-  row += HtmlCell(detections.empty() ? "–" : NumberText(Median(detections)));
+  row += HtmlCell(detections.empty() ? "–" : CompactText(Median(detections)));
   for (const double median : medians) {
-    row += HtmlCell(NumberText(median),
+    row += HtmlCell(CompactText(median),
                     median == least                   ? "first"
                     : median > results.wrong_mode_deg ? "far"
                                                       : "");
@@ -191,24 +190,23 @@ std::string SummarySection(const EvaluationResults& results, const ReportFigures
     const MethodAccuracy& accuracy = results.accuracy[*best];
     sentence = Format("%s is the best of our variants: median error ",
                       MethodName(results.methods[*best]).c_str()) +
-               IntervalText(accuracy.median_deg, 1, 3) +
-               "° modulo symmetry, in the wrong mode in " +
-               IntervalText(accuracy.wrong_mode_rate, 100, 1) +
-               Format(" %% of %zu sequences.", NumSequences(results)) + ComparedSentence(results);
+               IntervalText(accuracy.median_deg, 1, 3, "°") +
+               " modulo symmetry, in the wrong mode in " +
+               IntervalText(accuracy.wrong_mode_rate, 100, 1, " %") +
+               Format(" of %zu sequences.", NumSequences(results)) + ComparedSentence(results);
   }
-  return Section(
-      "summary",
-      "Summary",
-      sentence,
-      FigureCard(figures,
-                 "forest",
-                 "median error and wrong-mode rate of every method",
-                 "Points with 95 % intervals; ours in blue, the best of ours shaded. "
-                 "Differences are to the best of ours: a filled point's interval excludes "
-                 "0, a hollow one's doesn't; right of the line is worse. The axis of the "
-                 "errors is logarithmic, that of their differences linear near 0 and "
-                 "logarithmic far from it. *: not in the paper.") +
-          AccuracyTable(results));
+  return Section("summary",
+                 "Summary",
+                 sentence,
+                 FigureCard(figures,
+                            "forest",
+                            "median error and wrong-mode rate of every method",
+                            "Points with 95 % intervals; ours in blue, the best of ours shaded. "
+                            "Differences are to the best of ours: a filled point's interval "
+                            "excludes 0, a hollow one's doesn't; right of the line is worse. The "
+                            "axis of the median error is logarithmic, the other three are linear "
+                            "near 0 and logarithmic far from it. *: not in the paper.") +
+                     AccuracyTable(results));
 }
 
 std::string SequencesSection(const EvaluationResults& results) {
