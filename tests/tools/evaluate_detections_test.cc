@@ -86,7 +86,9 @@ std::string ReadText(const std::filesystem::path& file) {
   return text.str();
 }
 
+// A new file: to empty the old one makes some file systems wait for the disk.
 void WriteText(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::remove(file);
   std::ofstream(file, std::ios::binary) << text;
 }
 
