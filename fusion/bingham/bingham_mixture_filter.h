@@ -27,7 +27,8 @@ class BinghamMixtureFilter : public OrientationFusion {
   explicit BinghamMixtureFilter(const BinghamMixtureParameters& parameters);
 
   Result<void> Add(const OrientationView& view) override;
-  /// The mode of the mixture's density: the orientation of maximum posterior density.
+  /// The mode of the mixture's density: the orientation of maximum posterior density. It does not
+  /// depend on how many components share a peak, as the mode of the heaviest component would.
   [[nodiscard]] Result<Eigen::Quaterniond> Estimate() const override;
 
   [[nodiscard]] const BinghamMixture& state() const { return state_; }

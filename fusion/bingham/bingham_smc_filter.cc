@@ -14,30 +14,23 @@ namespace {
 
 constexpr double kSphereArea = 2.0 * std::numbers::pi * std::numbers::pi;  // of S^3
 
-/// Sums floats in double, block by block, so that the blocks are fast and the sum exact enough.
-constexpr size_t kBlock = 256;
-constexpr size_t kLanes = 8;
-
-template <size_t NumSums, class Function>
-std::array<double, NumSums> SumOver(size_t count, Function&& terms_of) {
-  std::array<double, NumSums> total{};
+/// The sum of term_of(i) over 0 ... count - 1: in float within short blocks, which the compiler
+/// makes fast, and in double over these.
+template <class Function>
+double SumOver(size_t count, const Function& term_of) {
+  constexpr size_t kBlock = 256;
+  constexpr size_t kLanes = 8;
+  std::array<float, kBlock> terms;
+  double total = 0.0;
   for (size_t begin = 0; begin < count; begin += kBlock) {
-    const size_t end = std::min(begin + kBlock, count);
-    std::array<std::array<float, kLanes>, NumSums> lanes{};
-    size_t i = begin;
-    for (; i + kLanes <= end; i += kLanes) {
-      for (size_t lane = 0; lane < kLanes; ++lane) {
-        const std::array<float, NumSums> terms = terms_of(i + lane);
-        for (size_t k = 0; k < NumSums; ++k) lanes[k][lane] += terms[k];
-      }
+    const size_t size = std::min(kBlock, count - begin);
+    for (size_t i = 0; i < size; ++i) terms[i] = term_of(begin + i);
+    std::fill(terms.begin() + static_cast<std::ptrdiff_t>(size), terms.end(), 0.0F);
+    std::array<float, kLanes> lanes{};
+    for (size_t i = 0; i < kBlock; i += kLanes) {
+      for (size_t lane = 0; lane < kLanes; ++lane) lanes[lane] += terms[i + lane];
     }
-    for (; i < end; ++i) {
-      const std::array<float, NumSums> terms = terms_of(i);
-      for (size_t k = 0; k < NumSums; ++k) lanes[k][0] += terms[k];
-    }
-    for (size_t k = 0; k < NumSums; ++k) {
-      for (const float value : lanes[k]) total[k] += static_cast<double>(value);
-    }
+    for (const float lane : lanes) total += static_cast<double>(lane);
   }
   return total;
 }
@@ -207,24 +200,28 @@ void BinghamSmcFilter::Resample(const BinghamDistribution& newborn, double new_s
 
 double BinghamSmcFilter::WeightWithin(const Eigen::Vector4f& center, double angle) const {
   const float limit = CosineOfHalf(angle);
-  return SumOver<1>(samples_.size(), [&, this](size_t i) {
-    const float dot = center[0] * samples_.x[i] + center[1] * samples_.y[i] +
-                      center[2] * samples_.z[i] + center[3] * samples_.w[i];
-    return std::array<float, 1>{std::abs(dot) >= limit ? weights_[i] : 0.0F};
-  })[0];
+  const float* const x = samples_.x.data();
+  const float* const y = samples_.y.data();
+  const float* const z = samples_.z.data();
+  const float* const w = samples_.w.data();
+  const float* const weights = weights_.data();
+  return SumOver(samples_.size(), [=](size_t i) {
+    const float dot = center[0] * x[i] + center[1] * y[i] + center[2] * z[i] + center[3] * w[i];
+    const float weight = weights[i];
+    return std::abs(dot) >= limit ? weight : 0.0F;
+  });
 }
 
 Eigen::Vector4f BinghamSmcFilter::MeanWithin(const Eigen::Vector4f& center, double angle) const {
   const float limit = CosineOfHalf(angle);
-  const std::array<double, 4> sum = SumOver<4>(samples_.size(), [&, this](size_t i) {
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  for (size_t i = 0; i < samples_.size(); ++i) {
     const Eigen::Vector4f q = samples_[i];
-    const float dot = center[0] * q[0] + center[1] * q[1] + center[2] * q[2] + center[3] * q[3];
-    const float weight = std::abs(dot) >= limit ? weights_[i] : 0.0F;
-    const float signed_weight = dot < 0.0F ? -weight : weight;
-    return std::array<float, 4>{
-        signed_weight * q[0], signed_weight * q[1], signed_weight * q[2], signed_weight * q[3]};
-  });
-  return Eigen::Vector4d(sum[0], sum[1], sum[2], sum[3]).normalized().cast<float>();
+    const float dot = center.dot(q);
+    if (std::abs(dot) < limit) continue;
+    sum += static_cast<double>(dot < 0.0F ? -weights_[i] : weights_[i]) * q.cast<double>();
+  }
+  return sum.normalized().cast<float>();
 }
 
 Result<Eigen::Quaterniond> BinghamSmcFilter::Estimate() const {

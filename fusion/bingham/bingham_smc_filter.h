@@ -18,11 +18,11 @@ struct BinghamSmcParameters {
   double sigma = 4.0 * kDegree;  ///< rad, of a detection about each axis; sigma_cw of the histogram
   double peaked_weight = 0.90;   ///< of the measurement that is no outlier (paper 7.2)
   int num_samples = 100'000;     ///< paper 7.2
-  /// Of the diffusion at a resampling after n views: jitter * sigma / sqrt(n) about each axis. 0.2
-  /// is the kernel width of least error for 100,000 samples of a normal density in three
-  /// dimensions, (4 / (d + 2) / N)^(1 / (d + 4)), as regularized particle filters have it (Musso,
-  /// Oudjane and Le Gland 2001), since n agreeing views leave a spread of sigma / sqrt(n).
-  double jitter = 0.2;
+  /// Of the diffusion at a resampling after n views: jitter * sigma / sqrt(n) about each axis, as n
+  /// agreeing views leave a spread of sigma / sqrt(n). For 100,000 samples of a normal density in
+  /// three dimensions regularized particle filters would have 0.2 (Musso, Oudjane and Le Gland
+  /// 2001); twice that costs no accuracy and helps where detections err by more than sigma.
+  double jitter = 0.4;
 
   Result<void> Validate() const;
 };
@@ -34,7 +34,8 @@ struct BinghamSmcParameters {
 /// Uniform samples are too sparse for a peaked measurement: of 100,000, about two are within 4
 /// degrees of an orientation. So that part of the posterior which is still the uniform prior is a
 /// number here, its mass, and what a detection makes of it is sampled exactly. For the first view
-/// that are all samples.
+/// that are all samples. As in every such filter an orientation is lost once its weight is less
+/// than a sample's: several agreeing wrong views at the start may be final.
 class BinghamSmcFilter : public OrientationFusion {
  public:
   /// @param parameters valid.

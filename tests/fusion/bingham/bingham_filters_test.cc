@@ -213,7 +213,7 @@ TEST(BinghamSmcFilter, SeedsGiveTheSameAgain) {
   EXPECT_NE(first.coeffs(), Fused(c, views).coeffs());
 }
 
-/// With little jitter it is the posterior, which the other filter has in closed form.
+/// But for jitter it samples the posterior, which the other filter has in closed form.
 TEST(BinghamSmcFilter, AgreesWithTheExactPosterior) {
   Rng rng(12);
   for (int i = 0; i < 3; ++i) {
