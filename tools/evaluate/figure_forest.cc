@@ -119,6 +119,7 @@ Result<std::string> ForestFigure(const EvaluationResults& results) {
     differences.Add(Stretched(paired, 1.0 / kLinearWithinDeg), ExcludesZero(paired));
     rate_differences.Add(Stretched(rate, 100.0 / kLinearWithinPercent), ExcludesZero(rate));
   }
+  if (!std::isfinite(medians.range.low)) medians.range = {0.1, 10.0};  // All are NaN.
   const int height = 110 + 27 * static_cast<int>(results.methods.size());
   const double bottom = 62.0 / height;
   const double top = 1.0 - 38.0 / height;

@@ -15,6 +15,7 @@ namespace vantage {
 namespace {
 
 constexpr size_t kStepObjects = 3;
+constexpr size_t kKeyLength = 26;  // characters of a method in a key
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 struct Line {
@@ -55,11 +56,11 @@ class Panel {
   }
   /// Script of a key at the bottom of the figure, as wide as it.
   [[nodiscard]] std::string Key(int height, int rows) const {
-    return PlacePanel({0.07, 0.98, 0.0, 58.0 / height}) +
+    return PlacePanel({0.07, 0.98, 0.0, (14.0 + 20.0 * rows) / height}) +
            Format(
                "unset border\nunset tics\nunset xlabel\nunset ylabel\nunset title\n"
                "unset logscale\nset xrange [0:1]\nset yrange [0:1]\n"
-               "set key center center vertical maxrows %d Left reverse samplen 2.5 width 1\n"
+               "set key center center vertical maxrows %d Left reverse samplen 2.5 width -3\n"
                "plot NaN notitle, %s\n",
                rows,
                key_.c_str());
@@ -115,8 +116,8 @@ void AddCompared(const EvaluationResults& results, const CircleErrors& object, P
         panel->Add(run, "lines lw 0.6 lc rgb '#f3d699'", "");
       }
     }
-    std::string title =
-        FigureText(MethodName(results.methods[*method]) + (runs ? ", mean of runs" : ""));
+    const std::string title =
+        FigureText(MethodName(results.methods[*method]) + (runs ? " (mean)" : ""), kKeyLength);
     panel->Add(runs ? MeanOfRuns(object.particle_runs_deg) : object.step_symmetric_deg[*method],
                std::string("lines ") + line.style,
                title);
@@ -135,12 +136,12 @@ Panel StepPanel(const EvaluationResults& results, size_t index, size_t place) {
   if (paper && paper != best) {
     panel.Add(object.step_symmetric_deg[*paper],
               "lines lw 2.2 lc rgb '#6da7dd'",
-              FigureText(MethodName(results.methods[*paper])));
+              FigureText(MethodName(results.methods[*paper]), kKeyLength));
   }
   if (best) {
     panel.Add(object.step_symmetric_deg[*best],
               Format("lines lw 3.4 lc rgb '%s'", kOursColor),
-              FigureLabel(results.methods[*best]));
+              FigureLabel(results.methods[*best], kKeyLength));
   }
   panel.Add(object.detection_symmetric_deg,
             Format("points pt 3 ps 0.6 lw 1.4 lc rgb '%s'", kDetectionColor),
@@ -205,20 +206,20 @@ Result<std::string> StepFigure(const EvaluationResults& results) {
     }
     for (const std::vector<double>& run : object.particle_runs_deg) lines.push_back(&run);
   }
-  constexpr int kHeight = 490;
+  constexpr int kHeight = 510;
   std::string key;
   std::string script = FigureHead(1120, kHeight) + "set multiplot\n" + ErrorRange(lines) +
                        ViewAxis(MostViews(results)) + "set xlabel 'views'\n";
   for (size_t i = 0; i < objects.size(); ++i) {
     const double left = 0.07 + 0.312 * static_cast<double>(i);
-    script += PlacePanel({left, left + 0.285, 0.25, 0.92});
+    script += PlacePanel({left, left + 0.285, 0.275, 0.92});
     script += i == 0 ? "set ylabel 'error modulo symmetry (degrees)'\n"
                      : "unset ylabel\nset format y ''\n";
     const Panel panel = StepPanel(results, objects[i], i);
     script +=
         "set title " + FigureText(results.circle[objects[i]].model_id, 24) + "\n" + panel.Script();
     // The lines are the same in all panels.
-    if (i == 0) key = panel.Key(kHeight, 2);
+    if (i == 0) key = panel.Key(kHeight, 3);
   }
   script += key;
   return RunGnuplot(script + "unset multiplot\n");
@@ -257,7 +258,7 @@ Result<std::string> ObjectsFigure(const EvaluationResults& results) {
                          "'detections'");
     lines_and_points.Add(object.step_symmetric_deg[*best],
                          Format("lines lw 2.6 lc rgb '%s'", kOursColor),
-                         FigureLabel(results.methods[*best]));
+                         FigureLabel(results.methods[*best], kKeyLength));
     script += "set title " + FigureText(object.model_id, 24) + " offset 0,-0.6\n" +
               lines_and_points.Script();
     if (i == 0) key = lines_and_points.Key(height, 1);

@@ -12,7 +12,7 @@ namespace vantage {
 
 /// Ids of the methods that the paper names. A method of ours with such an id is shown beside it.
 inline constexpr const char* kMeanId = "mean";
-inline constexpr const char* kKnnId = "knn_clustering";
+inline constexpr const char* kKnnId = "knn";
 inline constexpr const char* kVotingId = "voting";
 inline constexpr const char* kVwVotingId = "vw_voting";
 inline constexpr const char* kCwId = "cw_clustering";

@@ -6,6 +6,7 @@
 #include "common/format.h"
 #include "tools/evaluate/figure_grid.h"
 #include "tools/evaluate/figure_steps.h"
+#include "tools/evaluate/figure_style.h"
 #include "tools/evaluate/paper_figures.h"
 #include "tools/evaluate/report_numbers.h"
 
@@ -277,7 +278,7 @@ std::string StepsSection(const EvaluationResults& results, const ReportFigures& 
                                    "stars: every view's own detection; thin line: mean of their "
                                    "errors so far; pale lines: single runs of the particle filter. "
                                    "Logarithmic; errors below %g° are drawn there.",
-                                   1e-3)));
+                                   kSmallestDrawnDeg)));
 }
 
 std::string BoxesSection(const EvaluationResults& results, const ReportFigures& figures) {
