@@ -12,7 +12,7 @@ const char* ReportStyle() {
   return R"(
 :root { color-scheme: light dark; --ink:#1d2733; --soft:#5c6a7a; --line:#dfe4ea; --page:#f5f7f9;
   --card:#fff; --ours:#0b57a4; --shade:#dcebfa; --good:#1a7f4b; --bad:#b3261e; }
-@media (prefers-color-scheme: dark) { :root { --ink:#e3e8ee; --soft:#9eabba; --line:#37414d;
+@media screen and (prefers-color-scheme: dark) { :root { --ink:#e3e8ee; --soft:#9eabba; --line:#37414d;
   --page:#14181d; --card:#1d232a; --ours:#7fb7f0; --shade:#20374f; --good:#58c48b; --bad:#f08a80; } }
 * { box-sizing: border-box; }
 body { margin:0; font:16px/1.5 system-ui,sans-serif; color:var(--ink); background:var(--page); }
@@ -20,10 +20,10 @@ main { max-width:1200px; margin:0 auto; padding:24px 20px 60px; }
 h1 { font-size:1.7rem; margin:.2em 0; } h2 { font-size:1.25rem; margin:2.2em 0 .3em; }
 h3 { font-size:1rem; margin:1.2em 0 .4em; }
 p { max-width:95ch; margin:.4em 0 .8em; } .soft { color:var(--soft); }
-.lead { font-size:1.08rem; }
 .card { background:var(--card); border:1px solid var(--line); border-radius:10px; padding:14px;
   overflow-x:auto; margin:0 0 16px; }
-figure.card img { width:100%; height:auto; display:block; background:#fff; border-radius:6px; }
+figure.card img { width:100%; height:auto; display:block; background:#fff; border-radius:6px;
+  padding:4px 0; }
 figcaption, .note { color:var(--soft); font-size:.88rem; margin:.6em 0 0; max-width:120ch; }
 table { border-collapse:collapse; width:100%; font-variant-numeric:tabular-nums; font-size:.92rem; }
 th,td { text-align:right; padding:5px 9px; border-bottom:1px solid var(--line); white-space:nowrap; }
@@ -42,7 +42,7 @@ dt { color:var(--soft); } dd { margin:0; overflow-wrap:anywhere; }
 code { font-family:ui-monospace,monospace; font-size:.92em; }
 nav { font-size:.9rem; margin:.8em 0; } nav a { color:var(--ours); margin-right:1em; white-space:nowrap; }
 @media print { body { background:#fff; font-size:12px; } main { max-width:none; padding:0; }
-  .card { break-inside:avoid; overflow:visible; } h2,h3 { break-after:avoid; } nav { display:none; }
+  .card { break-inside:avoid; overflow:visible; } h2,h3,section>p { break-after:avoid; } nav { display:none; }
   .dense th,.dense td { padding:2px 3px; font-size:.62rem; } }
 )";
 }
