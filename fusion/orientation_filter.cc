@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/check.h"
 #include "common/format.h"
 #include "fusion/verification_weight.h"
 
@@ -19,6 +20,10 @@ Result<void> OrientationFilterParameters::Validate() const {
     return Error{ErrorCode::kInvalidArgument,
                  Format("sigma_vw = %g m^2, expected above 0", sigma_vw)};
   }
+  if (!(sigma_motion >= 0.0 && sigma_motion <= std::numbers::pi)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("sigma_motion = %g rad, expected 0 to pi", sigma_motion)};
+  }
   if (!(converge_angle > 0.0) || converge_views < 1 || min_views < 1) {
     return Error{ErrorCode::kInvalidArgument,
                  Format("converge_angle = %g rad, converge_views = %d, min_views = %d, expected "
@@ -27,37 +32,166 @@ Result<void> OrientationFilterParameters::Validate() const {
                         converge_views,
                         min_views)};
   }
+  if (auto valid = mode.Validate(); !valid) return valid;
   return peaks.Validate();
 }
 
 OrientationFilter::OrientationFilter(const So3Grid& grid,
-                                     const OrientationFilterParameters& parameters)
-    : grid_(&grid), parameters_(parameters), histogram_(grid) {}
+                                     const OrientationFilterParameters& parameters,
+                                     OrientationKnowledge knowledge)
+    : grid_(&grid),
+      parameters_(parameters),
+      knowledge_(std::move(knowledge)),
+      histogram_(grid, knowledge_.prior) {}
 
-void OrientationFilter::Fuse(std::vector<OrientationView> views) {
+Result<void> OrientationFilter::Add(const OrientationView& view) {
+  if (auto valid = view.Validate(); !valid) return valid;
+  views_.push_back(view);
+  if (parameters_.sigma_motion > 0.0) {
+    FuseAll();
+  } else {
+    AddToHistogram(view, 0.0);
+  }
+  FindFinalOrientation();
+  return {};
+}
+
+void OrientationFilter::Fuse(const std::vector<OrientationView>& views) {
   const auto [changed, old] =
       std::mismatch(views.begin(), views.end(), views_.begin(), views_.end());
   const auto num_same = static_cast<size_t>(changed - views.begin());
-  // What was added can't be taken back without rounding: start again from the first view.
-  if (num_same < views_.size()) histogram_ = OrientationHistogram(*grid_);
-  const size_t first = num_same < views_.size() ? 0 : num_same;
-  q_f_.resize(num_same);
-  for (size_t i = first; i < views.size(); ++i) {
-    const double w_v = VerificationWeight(views[i].mse, parameters_.sigma_vw);
-    if (w_v > 0.0) histogram_.Add(views[i].q_world_object, parameters_.sigma_cw, w_v);
-    if (i < num_same) continue;
-    peaks_ = FindPeaks(histogram_, parameters_.peaks);
-    q_f_.push_back(peaks_.empty() ? Eigen::Quaterniond::Identity() : peaks_.front().q);
+  if (num_same < views_.size()) {
+    // What was added can't be taken back without rounding: start again from the first view.
+    views_.resize(num_same);
+    q_f_.resize(num_same);
+    FuseAll();
+    if (views.empty()) {
+      peaks_.clear();
+      return;
+    }
+    if (num_same == views.size()) {
+      q_f_.pop_back();
+      FindFinalOrientation();
+      return;
+    }
   }
-  if (num_same == views.size() && num_same < views_.size()) {
-    peaks_ = FindPeaks(histogram_, parameters_.peaks);
+  for (size_t i = num_same; i < views.size(); ++i) {
+    const auto added = Add(views[i]);
+    VANTAGE_CHECK(added.ok(), added.error().message);
   }
-  views_ = std::move(views);
+}
+
+// All views from the first, the older ones uncertain by the motions since.
+void OrientationFilter::FuseAll() {
+  histogram_ = OrientationHistogram(*grid_, knowledge_.prior);
+  kernels_.clear();
+  for (size_t i = 0; i < views_.size(); ++i) {
+    const auto num_motions = static_cast<double>(views_.size() - 1 - i);
+    AddToHistogram(views_[i], parameters_.sigma_motion * std::sqrt(num_motions));
+  }
+}
+
+void OrientationFilter::AddToHistogram(const OrientationView& view, double sigma_motion) {
+  const Eigen::Quaterniond q = view.q_world_object.normalized();
+  const double w_v = VerificationWeight(view.mse, parameters_.sigma_vw);
+  const double sigma = std::hypot(parameters_.sigma_cw, sigma_motion);
+  switch (parameters_.final_orientation) {
+    case FinalOrientation::kVoting:
+      histogram_.Vote(q, 1.0);
+      break;
+    case FinalOrientation::kVwVoting:
+      if (w_v > 0.0) histogram_.Vote(q, w_v);
+      break;
+    case FinalOrientation::kCwClustering:
+      histogram_.Add(q, sigma, 1.0);
+      break;
+    case FinalOrientation::kCwVwClustering:
+      if (w_v > 0.0) histogram_.Add(q, sigma, w_v);
+      break;
+    case FinalOrientation::kDensityMode:
+      if (w_v <= 0.0) break;
+      histogram_.Add(q, sigma, w_v);
+      AddKernel({q, sigma_motion, w_v * PrecisionWeight(view.mse, parameters_.mode)});
+      break;
+  }
+}
+
+// A detection that repeats the last one adds to its weight, so that a camera and an object at rest
+// cost no more with every frame.
+void OrientationFilter::AddKernel(const OrientationKernel& kernel) {
+  if (!kernels_.empty() && kernels_.back().q.coeffs() == kernel.q.coeffs() &&
+      kernels_.back().sigma == kernel.sigma) {
+    kernels_.back().weight += kernel.weight;
+  } else {
+    kernels_.push_back(kernel);
+  }
+}
+
+void OrientationFilter::FindFinalOrientation() {
+  peaks_ = FindPeaks(histogram_, parameters_.peaks);
+  if (!peaks_.empty()) {
+    switch (parameters_.final_orientation) {
+      case FinalOrientation::kVoting:
+      case FinalOrientation::kVwVoting:
+        peaks_.front().q = HeaviestCell();
+        break;
+      case FinalOrientation::kCwClustering:
+      case FinalOrientation::kCwVwClustering:
+        break;
+      case FinalOrientation::kDensityMode:
+        RefinePeaks();
+        break;
+    }
+  }
+  q_f_.push_back(peaks_.empty() ? Eigen::Quaterniond::Identity() : peaks_.front().q);
+}
+
+// Every peak becomes the mode that mean shift reaches from it; peaks that reach the same mode, or
+// one that a symmetry makes equal, become one. The one with the largest share of the mass is first.
+void OrientationFilter::RefinePeaks() {
+  std::vector<OrientationPeak> refined;
+  for (OrientationPeak& peak : peaks_) {
+    const DensityMode mode = RefineMode(kernels_, peak.q, parameters_.mode, knowledge_.symmetry);
+    const auto same =
+        std::find_if(refined.begin(), refined.end(), [&](const OrientationPeak& other) {
+          return SymmetricAngle(knowledge_.symmetry, mode.q, other.q) < parameters_.sigma_cw;
+        });
+    if (same != refined.end()) {
+      same->weight += peak.weight;
+      continue;
+    }
+    if (mode.density > 0.0) {  // Otherwise no kernel reaches the peak: the cluster's mean stays.
+      peak.q = mode.q;
+      peak.covariance = mode.covariance;
+      peak.spread = std::sqrt(mode.covariance.trace());
+    }
+    refined.push_back(peak);
+  }
+  std::stable_sort(
+      refined.begin(), refined.end(), [](const OrientationPeak& a, const OrientationPeak& b) {
+        return a.weight > b.weight;
+      });
+  peaks_ = std::move(refined);
+}
+
+Eigen::Quaterniond OrientationFilter::HeaviestCell() const {
+  const CellWeights& weights = histogram_.weights();
+  const std::vector<CellWeights::Placed> heaviest = weights.AtLeast(weights.Largest());
+  std::vector<So3Grid::Cell> cell;
+  grid_->CellsAt(heaviest.front().ordinal, 1, &cell);
+  return Canonical(grid_->Representative(cell.front()));
+}
+
+Result<Eigen::Quaterniond> OrientationFilter::Estimate() const {
+  if (peaks_.empty()) {
+    return Error{ErrorCode::kNotFound, "no view with weight was fused, so there is no orientation"};
+  }
+  return Canonical(peaks_.front().q);
 }
 
 double OrientationFilter::last_change() const {
   if (q_f_.size() < 2) return -1.0;
-  return GeodesicAngle(q_f_[q_f_.size() - 2], q_f_.back());
+  return SymmetricAngle(knowledge_.symmetry, q_f_[q_f_.size() - 2], q_f_.back());
 }
 
 bool OrientationFilter::converged() const {
@@ -66,9 +200,29 @@ bool OrientationFilter::converged() const {
   if (peaks_.empty() || q_f_.size() < needed) return false;
   for (int i = 0; i < parameters_.converge_views; ++i) {
     const auto last = q_f_.end() - 1 - i;
-    if (!(GeodesicAngle(*(last - 1), *last) < parameters_.converge_angle)) return false;
+    const double change = SymmetricAngle(knowledge_.symmetry, *(last - 1), *last);
+    if (!(change < parameters_.converge_angle)) return false;
   }
   return true;
+}
+
+Result<std::vector<Eigen::Quaterniond>> AllFinalOrientations(
+    const So3Grid& grid,
+    const OrientationFilterParameters& parameters,
+    std::span<const OrientationView> views) {
+  std::vector<Eigen::Quaterniond> all;
+  for (const FinalOrientation final_orientation : kFinalOrientations) {
+    OrientationFilterParameters one = parameters;
+    one.final_orientation = final_orientation;
+    OrientationFilter filter(grid, one);
+    for (const OrientationView& view : views) {
+      if (const auto added = filter.Add(view); !added) return added.error();
+    }
+    const auto q_f = filter.Estimate();
+    if (!q_f) return q_f.error();
+    all.push_back(*q_f);
+  }
+  return all;
 }
 
 }  // namespace vantage

@@ -6,7 +6,12 @@
 
 #include "common/result.h"
 #include "common/so3.h"
+#include "common/symmetry_group.h"
+#include "fusion/final_orientation.h"
+#include "fusion/mode_refinement.h"
+#include "fusion/orientation_fusion.h"
 #include "fusion/orientation_histogram.h"
+#include "fusion/orientation_prior.h"
 #include "fusion/orientation_view.h"
 #include "fusion/peaks.h"
 #include "fusion/so3_grid.h"
@@ -15,10 +20,14 @@ namespace vantage {
 
 /// Parameters of the histogram filter (paper section 5).
 struct OrientationFilterParameters {
-  double sigma_cw = 4.0 * kDegree;    ///< rad, of the confidence weight (eq. 2)
-  double sigma_vw = 6.25e-6;          ///< m^2, of the verification weight (eq. 4): (2.5 mm)^2
-  double sigma_mode = 4.0 * kDegree;  ///< rad, of the kernels of the density's mode
+  double sigma_cw = 4.0 * kDegree;  ///< rad, of the confidence weight (eq. 2)
+  double sigma_vw = 6.25e-6;        ///< m^2, of the verification weight (eq. 4): (2.5 mm)^2
+  /// rad, >= 0, by which each change of the viewpoint turns what was seen before, in each of three
+  /// axes: errors of the robot's poses. The paper leaves this out, its robot being precise.
+  double sigma_motion = 0.0;
+  FinalOrientation final_orientation = FinalOrientation::kDensityMode;
   PeakParameters peaks{};
+  ModeRefinementParameters mode{};
   double converge_angle = 1.0 * kDegree;  ///< rad, change of q_f that counts as none (paper 5.2)
   int converge_views = 2;                 ///< last views that must not have changed q_f
   int min_views = 4;                      ///< views before convergence is believed
@@ -26,31 +35,60 @@ struct OrientationFilterParameters {
   Result<void> Validate() const;
 };
 
-/// The orientation of one object, fused from one detection a view.
-class OrientationFilter {
- public:
-  /// @param grid outlives the filter.
-  OrientationFilter(const So3Grid& grid, const OrientationFilterParameters& parameters);
+/// What is known of one object beside its views.
+struct OrientationKnowledge {
+  OrientationPrior prior{};  ///< of the filter's grid
+  /// Orientations that it makes equal are one to the density's mode and to convergence.
+  SymmetryGroup symmetry = SymmetryGroup::None();
+};
 
+/// The histogram filter: the orientation of one object, fused from one detection a view.
+class OrientationFilter : public OrientationFusion {
+ public:
+  /// @param grid outlives the filter. @param parameters valid.
+  OrientationFilter(const So3Grid& grid,
+                    const OrientationFilterParameters& parameters,
+                    OrientationKnowledge knowledge = {});
+
+  /// Fuses one more view, at the cost of an update.
+  Result<void> Add(const OrientationView& view) override;
   /// Fuses all views of the object, in their order. Steps over views that are as in the last call
   /// are not repeated: a new last view costs one update, a changed one those from there on.
-  void Fuse(std::vector<OrientationView> views);
+  /// @param views valid; checked.
+  void Fuse(const std::vector<OrientationView>& views);
 
+  [[nodiscard]] Result<Eigen::Quaterniond> Estimate() const override;
   [[nodiscard]] const OrientationHistogram& histogram() const { return histogram_; }
   /// Modes, best first; empty while no view has weight.
   [[nodiscard]] const std::vector<OrientationPeak>& peaks() const { return peaks_; }
-  /// Angle between the last two q_f, rad; -1 before two views.
+  /// Angle between the last two q_f, modulo symmetry, rad; -1 before two views.
   [[nodiscard]] double last_change() const;
   /// The termination condition of paper 5.2.
   [[nodiscard]] bool converged() const;
 
  private:
+  void AddToHistogram(const OrientationView& view, double sigma_motion);
+  void AddKernel(const OrientationKernel& kernel);
+  void FuseAll();
+  void FindFinalOrientation();
+  void RefinePeaks();
+  [[nodiscard]] Eigen::Quaterniond HeaviestCell() const;
+
   const So3Grid* grid_;
   OrientationFilterParameters parameters_;
+  OrientationKnowledge knowledge_;
   OrientationHistogram histogram_;
   std::vector<OrientationView> views_;
+  std::vector<OrientationKernel> kernels_;  // Of views with weight.
   std::vector<OrientationPeak> peaks_;
   std::vector<Eigen::Quaterniond> q_f_;  // After each view; identity while no view had weight.
 };
+
+/// q_f of the same views by each of the five ways, in the order of kFinalOrientations. Errors: a
+/// view that is not valid, none that has weight.
+Result<std::vector<Eigen::Quaterniond>> AllFinalOrientations(
+    const So3Grid& grid,
+    const OrientationFilterParameters& parameters,
+    std::span<const OrientationView> views);
 
 }  // namespace vantage
