@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
+#include "common/check.h"
 #include "common/format.h"
 #include "fusion/verification_weight.h"
 
@@ -39,6 +41,53 @@ std::vector<size_t> BestOfEachCluster(const std::vector<Detection>& detections,
   return chosen;
 }
 
+// Rotations of the group that stand for all of them where kernels are `spread` rad wide: neighbors
+// are one to two spreads apart, or as far as the group has them.
+std::vector<Eigen::Quaterniond> Spaced(const SymmetryGroup& group, double spread) {
+  std::vector<Eigen::Quaterniond> spaced;
+  if (group.kind == SymmetryGroup::Kind::kContinuous) {
+    const auto num_turns = static_cast<int>(std::ceil(2.0 * std::numbers::pi / spread));
+    const Eigen::Quaterniond flip = ExpSo3(std::numbers::pi * group.axis.unitOrthogonal());
+    for (int i = 0; i < num_turns; ++i) {
+      const Eigen::Quaterniond turn = ExpSo3(2.0 * std::numbers::pi * i / num_turns * group.axis);
+      spaced.push_back(turn);
+      if (group.flips) spaced.push_back(turn * flip);
+    }
+    return spaced;
+  }
+  for (const Eigen::Quaterniond& element : group.elements) {
+    const bool apart = std::ranges::all_of(spaced, [&](const Eigen::Quaterniond& other) {
+      return GeodesicAngle(element, other) >= spread;
+    });
+    if (apart) spaced.push_back(element);
+  }
+  return spaced;
+}
+
+// An object that is likely in one orientation is as likely in those that its symmetry makes equal.
+std::vector<LikelyPose> WithEquivalents(const TrackedModel& model) {
+  std::vector<LikelyPose> all;
+  for (const LikelyPose& pose : model.likely_poses) {
+    const std::vector<Eigen::Quaterniond> group = Spaced(model.symmetry, pose.spread);
+    for (const Eigen::Quaterniond& element : group) {
+      all.push_back({pose.q_world_object * element,
+                     pose.spread,
+                     pose.weight / static_cast<double>(group.size())});
+    }
+  }
+  return all;
+}
+
+OrientationKnowledge KnowledgeOf(const TrackedModel& model,
+                                 const So3Grid& grid,
+                                 double uniform_share) {
+  if (model.likely_poses.empty()) return {{}, model.symmetry};
+  Result<OrientationPrior> prior =
+      OrientationPrior::AroundPoses(grid, WithEquivalents(model), uniform_share);
+  VANTAGE_CHECK(prior.ok(), prior.error().message);
+  return {std::move(prior).value(), model.symmetry};
+}
+
 }  // namespace
 
 Result<void> ObjectTrackerParameters::Validate() const {
@@ -49,6 +98,10 @@ Result<void> ObjectTrackerParameters::Validate() const {
                         gate,
                         gate_fraction,
                         overlap_fraction)};
+  }
+  if (!(prior_uniform_share >= 0.0 && prior_uniform_share <= 1.0)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("prior_uniform_share = %g, expected 0 to 1", prior_uniform_share)};
   }
   if (confirm_views < 1 || lost_views < 1) {
     return Error{ErrorCode::kInvalidArgument,
@@ -64,7 +117,15 @@ Result<void> ObjectTrackerParameters::Validate() const {
 ObjectTracker::ObjectTracker(const So3Grid& grid,
                              const ObjectTrackerParameters& parameters,
                              std::map<std::string, TrackedModel> models)
-    : grid_(&grid), parameters_(parameters), models_(std::move(models)) {}
+    : grid_(&grid), parameters_(parameters), models_(std::move(models)) {
+  for (const auto& [id, model] : models_) {
+    knowledge_.emplace(id, KnowledgeOf(model, grid, parameters.prior_uniform_share));
+  }
+}
+
+ObjectTracker::Fused ObjectTracker::NotFused(const std::string& model_id) const {
+  return {{}, OrientationFilter(*grid_, parameters_.orientation, knowledge_.at(model_id)), 0.0};
+}
 
 ObjectTracker::Update ObjectTracker::Add(const DetectionSet& set) {
   Update update;
@@ -124,7 +185,7 @@ ObjectTracker::Observed ObjectTracker::Observe(const std::string& model_id,
     if (state_.instances.size() >= kMostInstances) return Observed::kBeyond;
     found = static_cast<int>(state_.instances.size());
     state_.instances.push_back({state_.next_id++, model_id, {}});
-    fused_.push_back({{}, OrientationFilter(*grid_, parameters_.orientation), 0.0});
+    fused_.push_back(NotFused(model_id));
   }
   const auto instance = static_cast<size_t>(found);
   std::vector<Observation>& observations = state_.instances[instance].observations;
@@ -248,7 +309,7 @@ Result<void> ObjectTracker::Restore(TrackerState state) {
   state_ = std::move(state);
   fused_.clear();
   for (size_t i = 0; i < state_.instances.size(); ++i) {
-    fused_.push_back({{}, OrientationFilter(*grid_, parameters_.orientation), 0.0});
+    fused_.push_back(NotFused(state_.instances[i].model_id));
     Fuse(i);
   }
   return {};

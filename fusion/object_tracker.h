@@ -19,12 +19,19 @@ namespace vantage {
 struct TrackedModel {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< m, surface centroid, object frame
   double diameter = 0.1;                             ///< m
+  /// Orientations that it makes equal are one to the estimate and to convergence.
+  SymmetryGroup symmetry = SymmetryGroup::None();
+  /// Orientations that it is often found in, each with its equivalents; empty: all are as likely.
+  std::vector<LikelyPose> likely_poses = {};
 };
 
 struct ObjectTrackerParameters {
   OrientationFilterParameters orientation{};
   PositionFilterParameters position{};
   ViewpointParameters viewpoint{};
+  /// [0, 1], of the prior of models with likely poses: the share that is even over all
+  /// orientations.
+  double prior_uniform_share = 0.2;
   double gate = 0.04;             ///< m, a detection's center belongs to an instance this near,
   double gate_fraction = 0.1;     ///< or nearer by this part of the model's diameter
   double overlap_fraction = 0.5;  ///< of the smaller diameter; two models so near can't both be
@@ -57,7 +64,9 @@ struct ObjectEstimate {
 /// position; the position is that of the model's center, which a wrong orientation moves least.
 class ObjectTracker {
  public:
-  /// @param grid outlives the tracker. Parameters are valid.
+  /// Makes the prior of each model that has likely poses.
+  /// @param grid outlives the tracker. Parameters and likely poses are valid, the weights of no
+  /// model's poses all 0.
   ObjectTracker(const So3Grid& grid,
                 const ObjectTrackerParameters& parameters,
                 std::map<std::string, TrackedModel> models);
@@ -97,6 +106,7 @@ class ObjectTracker {
   };
 
   [[nodiscard]] bool IsValid(const Detection& detection) const;
+  [[nodiscard]] Fused NotFused(const std::string& model_id) const;
   enum class Observed { kChanged, kSame, kBeyond };
   Observed Observe(const std::string& model_id, const Observation& observation);
   [[nodiscard]] int FindInstance(const std::string& model_id, const Eigen::Vector3d& center) const;
@@ -107,6 +117,7 @@ class ObjectTracker {
   const So3Grid* grid_;
   ObjectTrackerParameters parameters_;
   std::map<std::string, TrackedModel> models_;
+  std::map<std::string, OrientationKnowledge> knowledge_;  // Of each model.
   TrackerState state_;
   std::vector<Fused> fused_;  // By place in state_.instances.
 };

@@ -18,12 +18,13 @@ struct FusionConfig {
   ViewSequenceParameters views;
   std::filesystem::path state_file;  ///< empty: no state is kept
   std::map<std::string, TrackedModel> models;
-  /// Names the models and candidates: a saved state of another set-up is of no use.
+  /// Names the models, with what is known of their orientations, and the candidates: a saved state
+  /// of another set-up is of no use. Other parameters may change: what was seen is fused anew.
   std::string setup;
 };
 
 /// Reads the three tables and loads the models. Errors: ConfigReader::Finish(); a model that can't
-/// be loaded.
+/// be loaded; a likely pose of a model that is not in use, or all of a model's with weight 0.
 Result<FusionConfig> ReadFusionConfig(ConfigReader& config);
 
 }  // namespace vantage

@@ -162,7 +162,7 @@ class FusionNode : public Node {
   }
 
   Result<void> Restore(const FusionState& state) {
-    ObjectTracker tracker(grid_, config_.tracker, config_.models);
+    ObjectTracker tracker = tracker_;  // Nothing was added to it yet; the priors are shared.
     if (Result<void> restored = tracker.Restore(state.tracker); !restored) return restored;
     ViewSequence views(config_.views, FarthestView());
     if (Result<void> restored =

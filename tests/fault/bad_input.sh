@@ -62,6 +62,23 @@ with_line '^\[fusion\]' '[fussion]'
 refuses "unknown table" 'fussion.*unknown key' "$bin/vantage-ppf" --config "$config"
 with_line '^k = 64' 'k = 1000'
 refuses "out of range" 'fusion.k = 1000.*from 2 to 128' "$bin/vantage-fusion" --config "$config"
+with_line '^sigma_deg.*' 'final_orientation = "mean"'
+refuses "final orientation that is none" \
+  '"voting" "vw_voting" "cw_clustering" "cw_vw_clustering" "density_mode"' "$bin/vantage-fusion" --config "$config"
+# with_likely_pose MODEL QUATERNION SPREAD WEIGHT
+with_likely_pose() {
+  with_line '^\[planner\]' \
+    "[[fusion.likely_pose]]\nmodel = \"$1\"\nq_world_object = $2\nspread_deg = $3\nweight = $4\n[planner]"
+}
+with_likely_pose teapot '[1, 0, 0, 0]' 5 1
+refuses "likely pose of no model" 'likely_pose.0..model = .teapot.: expected one of .*bracket, filter, mug' \
+  "$bin/vantage-fusion" --config "$config"
+with_likely_pose mug '[0, 0, 0, 0]' 5 1
+refuses "likely pose without a direction" 'likely_pose.0..q_world_object: .*norm 0' "$bin/vantage-fusion" --config "$config"
+with_likely_pose mug '[1, 0, 0, 0]' 0 1
+refuses "likely pose without spread" 'spread_deg = 0: expected a number from 0.1 to 30' "$bin/vantage-fusion" --config "$config"
+with_likely_pose mug '[1, 0, 0, 0]' 5 0
+refuses "likely poses without weight" 'weight = 0: expected more than 0 .*"mug"' "$bin/vantage-fusion" --config "$config"
 with_line '"mug"' '"mugg"'
 refuses "missing model" 'mugg' "$bin/vantage-ppf" --config "$config"
 refuses "missing model" 'mugg' "$bin/vantage-fusion" --config "$config"

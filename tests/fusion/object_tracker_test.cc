@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -282,7 +285,135 @@ TEST(ObjectTracker, ObjectsBeyondTheMostAreDroppedAndCounted) {
   EXPECT_EQ(tracker.state().instances[7].observations.size(), 2U);
 }
 
+// A tracker of one model, "part".
+ObjectTracker TrackerOf(const SymmetryGroup& symmetry,
+                        const std::vector<LikelyPose>& likely_poses = {},
+                        double prior_uniform_share = 0.2) {
+  ObjectTrackerParameters parameters;
+  parameters.prior_uniform_share = prior_uniform_share;
+  return ObjectTracker(Grid(),
+                       parameters,
+                       {{"part", {Eigen::Vector3d(0.0, 0.0, 0.05), 0.12, symmetry, likely_poses}}});
+}
+
+// Adds one view in which the part lies so.
+void SeePart(const Eigen::Quaterniond& q, int view, Estimator* estimator, ObjectTracker* tracker) {
+  DetectionSet set = estimator->Set(Camera(40.0 * view));
+  Pose pose = Pose::Identity();
+  pose.linear() = q.toRotationMatrix();
+  pose.translation() = -(q * Eigen::Vector3d(0.0, 0.0, 0.05));
+  Estimator::Detect(&set, "part", pose);
+  ASSERT_TRUE(tracker->Add(set).changed);
+}
+
+Eigen::Quaterniond OrientationOf(const ObjectEstimate& estimate) {
+  return Eigen::Quaterniond(estimate.T_world_object.linear());
+}
+
+TEST(ObjectTracker, ConvergesModuloTheModelsSymmetry) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(0.3, -0.2, 0.9).normalized();
+  const Eigen::Quaterniond truth = ExpSo3(Eigen::Vector3d(0.4, 1.1, -0.3));
+  for (const SymmetryGroup& symmetry :
+       {SymmetryGroup::Continuous(axis, false), SymmetryGroup::Cyclic(4, axis)}) {
+    const bool continuous = symmetry.kind == SymmetryGroup::Kind::kContinuous;
+    Rng rng(5);
+    Estimator estimator;
+    ObjectTracker knowing = TrackerOf(symmetry);
+    ObjectTracker unknowing = TrackerOf(SymmetryGroup::None());
+    // Seen turned by this or not; the majority changes with the last view.
+    const double turn = continuous ? 2.0 : std::numbers::pi / 2.0;
+    const std::vector<double> turns = {0.0, turn, 0.0, turn, turn};
+    for (int view = 0; view < 5; ++view) {
+      const Eigen::Vector3d error(rng.Normal(), rng.Normal(), rng.Normal());
+      const Eigen::Quaterniond seen =
+          ExpSo3(0.3 * kDegree * error) * truth * ExpSo3(turns[static_cast<size_t>(view)] * axis);
+      SeePart(seen, view, &estimator, &knowing);
+      SeePart(seen, view, &estimator, &unknowing);
+    }
+    const ObjectEstimate estimate = knowing.Estimates().front();
+    EXPECT_TRUE(estimate.converged) << continuous;
+    EXPECT_LT(estimate.last_change, 1.0 * kDegree);
+    EXPECT_LT(SymmetricAngle(symmetry, OrientationOf(estimate), truth), 0.5 * kDegree);
+    EXPECT_FALSE(unknowing.Estimates().front().converged) << continuous;
+  }
+}
+
+// As many views say one thing as another: what is likely decides. The tracker is told of it by a
+// pose that the symmetry makes equal.
+TEST(ObjectTracker, LikelyPosesDecideWhereViewsDoNot) {
+  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  const Eigen::Quaterniond one = ExpSo3(Eigen::Vector3d(0.7, -0.2, 0.1));
+  const Eigen::Quaterniond other = ExpSo3(Eigen::Vector3d(-0.9, 0.8, 0.5));
+  const std::vector<SymmetryGroup> groups = {
+      SymmetryGroup::None(),
+      SymmetryGroup::Cyclic(3, axis),
+      SymmetryGroup::Dihedral(2, axis, Eigen::Vector3d::UnitX()),
+      SymmetryGroup::Cyclic(1000, axis),
+      SymmetryGroup::Continuous(axis, false),
+      SymmetryGroup::Continuous(axis, true)};
+  for (size_t i = 0; i < groups.size(); ++i) {
+    const SymmetryGroup& symmetry = groups[i];
+    Eigen::Quaterniond equal = ExpSo3(2.0 * axis);
+    if (symmetry.kind == SymmetryGroup::Kind::kFinite) {
+      equal = symmetry.elements[symmetry.elements.size() / 2];
+    }
+    if (symmetry.flips) equal = equal * ExpSo3(std::numbers::pi * Eigen::Vector3d::UnitY());
+    for (const Eigen::Quaterniond& likely : {one, other}) {
+      Estimator estimator;
+      ObjectTracker tracker = TrackerOf(symmetry, {{likely * equal, 6.0 * kDegree, 1.0}});
+      for (int view = 0; view < 6; ++view) {
+        SeePart(view % 2 == 0 ? one : other, view, &estimator, &tracker);
+      }
+      const ObjectEstimate estimate = tracker.Estimates().front();
+      EXPECT_LT(SymmetricAngle(symmetry, OrientationOf(estimate), likely), 0.1 * kDegree) << i;
+    }
+  }
+}
+
+// Of a continuous symmetry every turn is as likely.
+TEST(ObjectTracker, ALikelyPoseStandsForAllItsEquivalentsAlike) {
+  const SymmetryGroup symmetry = SymmetryGroup::Continuous(Eigen::Vector3d::UnitZ(), true);
+  const Eigen::Quaterniond likely = ExpSo3(Eigen::Vector3d(0.7, -0.2, 0.1));
+  const double spread = 7.0 * kDegree;
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    Estimator estimator;
+    ObjectTracker tracker = TrackerOf(symmetry, {{likely, spread, 1.0}}, 0.0);
+    Eigen::Quaterniond q = likely * ExpSo3(Eigen::Vector3d(0.0, 0.0, 0.1047 * i));
+    if (i % 2 == 1) q = q * ExpSo3(std::numbers::pi * Eigen::Vector3d::UnitX());
+    SeePart(q, 0, &estimator, &tracker);
+    const ObjectEstimate estimate = tracker.Estimates().front();
+    const double density = estimate.histogram->Mass() / estimate.verification_weight;
+    least = std::min(least, density);
+    most = std::max(most, density);
+  }
+  EXPECT_GT(least, 5.0);
+  EXPECT_LT(most, 1.15 * least);
+}
+
+TEST(ObjectTracker, WhatThePriorRulesOutIsNotReported) {
+  const Eigen::Quaterniond seen = ExpSo3(Eigen::Vector3d(1.5, 0.0, 0.0));
+  for (const double uniform_share : {0.0, 0.2}) {
+    Estimator estimator;
+    ObjectTracker tracker = TrackerOf(SymmetryGroup::None(),
+                                      {{Eigen::Quaterniond::Identity(), 5.0 * kDegree, 1.0}},
+                                      uniform_share);
+    for (int view = 0; view < 5; ++view) SeePart(seen, view, &estimator, &tracker);
+    EXPECT_EQ(tracker.Estimates().empty(), uniform_share == 0.0);
+    EXPECT_EQ(tracker.state().instances.size(), 1U);
+    // A copy, and what goes on from the saved state, know the same.
+    ObjectTracker copy = tracker;
+    ASSERT_TRUE(copy.Restore(tracker.state()).ok());
+    SeePart(Eigen::Quaterniond::Identity(), 5, &estimator, &tracker);
+    EXPECT_EQ(copy.Estimates().empty(), uniform_share == 0.0);
+    EXPECT_FALSE(tracker.Estimates().empty());
+  }
+}
+
 TEST(ObjectTracker, ParametersAreChecked) {
+  EXPECT_FALSE((ObjectTrackerParameters{.prior_uniform_share = -0.1}).Validate().ok());
+  EXPECT_FALSE((ObjectTrackerParameters{.prior_uniform_share = 1.1}).Validate().ok());
   EXPECT_TRUE(ObjectTrackerParameters().Validate().ok());
   EXPECT_FALSE((ObjectTrackerParameters{.gate = 0.0}).Validate().ok());
   EXPECT_FALSE((ObjectTrackerParameters{.confirm_views = 0}).Validate().ok());

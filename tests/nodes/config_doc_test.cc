@@ -203,7 +203,8 @@ Outcome ReadBy(const std::string& reader, const toml::table& file) {
 
 toml::table Base(const Document& document, const DocTable& table) {
   if (table.path.empty()) return toml::parse(document.examples.at(2));
-  toml::table base = toml::parse(document.examples.at(0) + document.examples.at(1));
+  toml::table base =
+      toml::parse(document.examples.at(0) + document.examples.at(1) + document.examples.at(3));
   base["models"].as_table()->insert_or_assign("folder", (kSource / "models").string());
   return base;
 }
@@ -254,7 +255,7 @@ std::optional<std::string> EffectiveValue(const std::string& effective,
                                           const std::string& key) {
   std::string start;
   for (const std::string& part : table.path) {
-    start += part + (part == "object" ? "[0]." : ".");
+    start += part + (part == "object" || part == "likely_pose" ? "[0]." : ".");
   }
   start += key + " = ";
   std::istringstream lines(effective);
@@ -326,7 +327,7 @@ class ConfigDocument : public testing::Test {
 };
 
 TEST_F(ConfigDocument, HasTablesWithReadersAndExamples) {
-  ASSERT_EQ(document_.examples.size(), 3U);
+  ASSERT_EQ(document_.examples.size(), 4U);
   EXPECT_GT(document_.tables.size(), 10U);
   for (const DocTable& table : document_.tables) {
     EXPECT_FALSE(table.readers.empty()) << table.heading << " has no line \"Read by\"";

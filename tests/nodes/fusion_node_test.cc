@@ -394,20 +394,22 @@ TEST_F(FusionNodeTest, TheHistogramFitsInAMessage) {
 }
 
 // The same messages through one node, and through nodes that are ended and started in between.
-TEST_F(FusionNodeTest, GoesOnFromItsStateExactly) {
+void ExpectGoesOnExactly(const FusionConfig& config, const std::filesystem::path& state_file) {
+  FusionConfig with_state = config;
+  with_state.state_file = state_file;
   TestBus whole_bus;
-  const std::unique_ptr<Node> whole = MustMake(whole_bus, MakeConfig());
+  const std::unique_ptr<Node> whole = MustMake(whole_bus, config);
   World whole_world(whole_bus);
   whole_world.RunToTheEnd();
 
   TestBus bus;
-  std::unique_ptr<Node> node = MustMake(bus, ConfigWithState());
+  std::unique_ptr<Node> node = MustMake(bus, with_state);
   World world(bus);
   for (int i = 0; i < 200 && !world.Finished(); ++i) {
     world.Frame();
     if (i % 3 != 1) continue;
     bus.Reset();
-    node = MustMake(bus, ConfigWithState());
+    node = MustMake(bus, with_state);
     bus.Send("CAMERA_XTION_TO_WORLD", PoseToMessage(world.T_world_camera_, world.utime_));
     ASSERT_EQ(bus.Count("OBJECTS"), 1U) << i;
     ASSERT_EQ(bus.Last<next_view_t>("NEXT_VIEW").seq, world.view_seq_) << i;
@@ -418,6 +420,20 @@ TEST_F(FusionNodeTest, GoesOnFromItsStateExactly) {
   object_estimates_t b = whole_bus.Last<object_estimates_t>("OBJECTS");
   a.seq = b.seq = 0;
   EXPECT_EQ(Encode(a), Encode(b));
+}
+
+TEST_F(FusionNodeTest, GoesOnFromItsStateExactly) {
+  ExpectGoesOnExactly(MakeConfig(), ConfigWithState().state_file);
+}
+
+TEST_F(FusionNodeTest, GoesOnFromItsStateExactlyWithAPriorSymmetryAndMotion) {
+  FusionConfig config = MakeConfig();
+  config.tracker.orientation.sigma_motion = 0.5 * kDegree;
+  config.models["mug"].symmetry = SymmetryGroup::Continuous(Eigen::Vector3d::UnitZ(), false);
+  config.models["mug"].likely_poses = {
+      {Eigen::Quaterniond(At(0.0, 0.0, 10.0).linear()), 10.0 * kDegree, 1.0}};
+  config.models["filter"].symmetry = SymmetryGroup::Cyclic(3, Eigen::Vector3d::UnitZ());
+  ExpectGoesOnExactly(config, ConfigWithState().state_file);
 }
 
 TEST_F(FusionNodeTest, FreshForgetsTheState) {
@@ -539,11 +555,116 @@ TEST(FusionConfig, WrongKeysAreNamed) {
            {"[fusion]\nk = 500\n" + models, "fusion.k = 500"},
            {"[planner]\nradius_m = -1.0\n" + models, "planner.radius_m = -1"},
            {"[fusion]\n", "models.folder: missing"},
+           {"[fusion]\nfinal_orientation = \"mean\"\n" + models,
+            "fusion.final_orientation = 'mean': expected one of \"voting\" \"vw_voting\" "
+            "\"cw_clustering\" \"cw_vw_clustering\" \"density_mode\""},
+           {"[fusion]\nmotion_sigma_deg = -1\n" + models, "fusion.motion_sigma_deg = -1"},
+           {"[fusion]\nmode_bandwidth = nan\n" + models, "fusion.mode_bandwidth = nan"},
+           {"[fusion]\nprior_uniform_share = 1.1\n" + models, "fusion.prior_uniform_share = 1.1"},
+           {"[fusion]\nlikely_pose = 3\n" + models, "expected tables [[fusion.likely_pose]]"},
            {folder + "use = []\n", "models.use: expected at least one model"},
            {folder + "use = [\"teapot\"]\n", "use names \"teapot\", which is not in"}}) {
     const Result<FusionConfig> config = ReadText(text);
     ASSERT_FALSE(config.ok()) << text;
     EXPECT_NE(config.error().message.find(word), std::string::npos) << config.error().message;
+  }
+}
+
+// One table [[fusion.likely_pose]]; `more` may repeat none of its keys.
+std::string LikelyPoseText(const std::string& model,
+                           const std::string& q,
+                           const std::string& spread_deg,
+                           const std::string& more = "") {
+  return "[[fusion.likely_pose]]\nmodel = \"" + model + "\"\nq_world_object = " + q +
+         "\nspread_deg = " + spread_deg + "\n" + more;
+}
+
+std::string ModelsText() {
+  return "[models]\nfolder = \"" VANTAGE_SOURCE_DIR "/models\"\nuse = [\"mug\", \"filter\"]\n";
+}
+
+TEST(FusionConfig, ReadsHowOrientationsAreFused) {
+  const Result<FusionConfig> config = ReadText(
+      "[fusion]\nsigma_deg = 3.0\nfinal_orientation = \"vw_voting\"\nmotion_sigma_deg = 0.5\n"
+      "mode_bandwidth = 2.0\nprior_uniform_share = 0.4\n" +
+      LikelyPoseText("mug", "[1, 0, 0, 0]", "10") +
+      LikelyPoseText("filter", "[0.6, 0.8, 0, 0]", "5.0", "weight = 3\n") +
+      LikelyPoseText("mug", "[0, 0, 1, 0]", "2.0", "weight = 0\n") + ModelsText());
+  ASSERT_TRUE(config.ok()) << config.error().message;
+  const OrientationFilterParameters& orientation = config->tracker.orientation;
+  EXPECT_EQ(orientation.final_orientation, FinalOrientation::kVwVoting);
+  EXPECT_NEAR(orientation.sigma_motion, 0.5 * kDegree, 1e-12);
+  EXPECT_NEAR(orientation.mode.sigma, 3.0 * kDegree, 1e-12);
+  EXPECT_EQ(orientation.mode.bandwidth, 2.0);
+  EXPECT_EQ(config->tracker.prior_uniform_share, 0.4);
+  const std::vector<LikelyPose>& mug = config->models.at("mug").likely_poses;
+  const std::vector<LikelyPose>& filter = config->models.at("filter").likely_poses;
+  ASSERT_EQ(mug.size(), 2U);
+  ASSERT_EQ(filter.size(), 1U);
+  EXPECT_NEAR(mug[0].spread, 10.0 * kDegree, 1e-12);
+  EXPECT_EQ(mug[0].weight, 1.0);
+  EXPECT_EQ(mug[1].weight, 0.0);
+  EXPECT_EQ(filter[0].weight, 3.0);
+  EXPECT_NEAR(filter[0].q_world_object.x(), 0.8, 1e-12);
+  EXPECT_NEAR(filter[0].q_world_object.w(), 0.6, 1e-12);
+}
+
+TEST(FusionConfig, TheModelsSymmetriesAreTaken) {
+  const Result<FusionConfig> config =
+      ReadText("[models]\nfolder = \"" VANTAGE_SOURCE_DIR "/models\"\n");
+  ASSERT_TRUE(config.ok()) << config.error().message;
+  EXPECT_EQ(config->models.at("mug").symmetry.elements.size(), 1U);
+  EXPECT_EQ(config->models.at("carton").symmetry.elements.size(), 4U);
+  EXPECT_EQ(config->models.at("bottle").symmetry.kind, SymmetryGroup::Kind::kContinuous);
+}
+
+TEST(FusionConfig, WrongLikelyPosesAreNamed) {
+  const std::string good = LikelyPoseText("mug", "[1, 0, 0, 0]", "10");
+  std::string many;
+  for (int i = 0; i < 21; ++i) many += good;
+  for (const auto& [text, word] : std::vector<std::pair<std::string, std::string>>{
+           {good + LikelyPoseText("teapot", "[1, 0, 0, 0]", "10"),
+            ":6: fusion.likely_pose[1].model = 'teapot': expected one of the models in use: "
+            "filter, mug"},
+           {LikelyPoseText("bracket", "[1, 0, 0, 0]", "10"), "model = 'bracket': expected one of"},
+           {LikelyPoseText("mug", "[0, 0, 0, 0]", "10"), "q_world_object: quaternion"},
+           {LikelyPoseText("mug", "[1, 0.5, 0, 0]", "10"), "norm"},
+           {LikelyPoseText("mug", "[1, 0, 0]", "10"), "expected a list of 4 numbers from -1 to 1"},
+           {LikelyPoseText("mug", "[1, 0, 0, nan]", "10"), "expected a list of 4 numbers"},
+           {LikelyPoseText("mug", "[1, 0, 0, 0]", "0"), "spread_deg = 0: expected a number from"},
+           {LikelyPoseText("mug", "[1, 0, 0, 0]", "31"), "spread_deg = 31: expected a number from"},
+           {LikelyPoseText("mug", "[1, 0, 0, 0]", "9", "weight = -1\n"), "weight = -1: expected"},
+           {LikelyPoseText("mug", "[1, 0, 0, 0]", "9", "weight = inf\n"), "weight = inf: expected"},
+           {LikelyPoseText("mug", "[1, 0, 0, 0]", "9", "wieght = 1\n"), "wieght = 1: unknown key"},
+           {"[[fusion.likely_pose]]\nmodel = \"mug\"\nspread_deg = 3\n",
+            "likely_pose[0].q_world_object: missing"},
+           {LikelyPoseText("filter", "[1, 0, 0, 0]", "9") +
+                LikelyPoseText("mug", "[1, 0, 0, 0]", "9", "weight = 0\n"),
+            "likely_pose[1].weight = 0: expected more than 0 for at least one likely pose of "
+            "\"mug\""},
+           {many, "likely_pose[20].model = 'mug': expected at most 20 likely poses"}}) {
+    const Result<FusionConfig> config = ReadText(text + ModelsText());
+    ASSERT_FALSE(config.ok()) << text;
+    EXPECT_NE(config.error().message.find(word), std::string::npos) << config.error().message;
+  }
+}
+
+// What a saved state belongs to: models and what is known of them, not how views are fused.
+TEST(FusionConfig, ASetUpIsAnotherOnceItsKnowledgeIs) {
+  const auto setup = [](const std::string& text) { return ReadText(text + ModelsText())->setup; };
+  const std::string none = setup("");
+  const std::string mug = LikelyPoseText("mug", "[1, 0, 0, 0]", "10");
+  EXPECT_EQ(setup("[fusion]\nsigma_deg = 5\nfinal_orientation = \"voting\"\n"), none);
+  EXPECT_EQ(setup("[fusion]\nprior_uniform_share = 0.5\n"), none);  // There is no prior.
+  std::set<std::string> setups = {none};
+  for (const std::string& text : {mug,
+                                  "[fusion]\nprior_uniform_share = 0.5\n" + mug,
+                                  mug + mug,
+                                  LikelyPoseText("filter", "[1, 0, 0, 0]", "10"),
+                                  LikelyPoseText("mug", "[0, 1, 0, 0]", "10"),
+                                  LikelyPoseText("mug", "[1, 0, 0, 0]", "11"),
+                                  mug + "weight = 2\n"}) {
+    EXPECT_TRUE(setups.insert(setup(text)).second) << text;
   }
 }
 
