@@ -34,6 +34,7 @@ Result<void> BayesianHistogram::Add(const OrientationView& view) {
     log_ratios_.Add(cell.ordinal, static_cast<float>(std::log1p(odds * cell.density)));
   }
   has_views_ = true;
+  log_normalizer_.reset();
   return {};
 }
 
@@ -72,6 +73,7 @@ void BayesianHistogram::Spread(double sigma) {
     log_ratios.Add(ordinal, static_cast<float>(std::max(0.0, log_ratio)));
   }
   log_ratios_ = std::move(log_ratios);
+  log_normalizer_.reset();
 }
 
 std::vector<OrientationPeak> BayesianHistogram::Peaks() const {
@@ -108,6 +110,7 @@ Result<Eigen::Quaterniond> BayesianHistogram::Estimate() const {
 
 // Logarithm of the sum over all cells of area * prior density * ratio.
 double BayesianHistogram::LogNormalizer() const {
+  if (log_normalizer_) return *log_normalizer_;
   const So3Grid& grid = log_ratios_.grid();
   const double largest = static_cast<double>(log_ratios_.Largest());
   double sum = std::exp(-largest);  // Of the prior itself, whose mass is 1.
@@ -115,7 +118,8 @@ double BayesianHistogram::LogNormalizer() const {
     const double above = std::exp(static_cast<double>(entry.weight) - largest) - std::exp(-largest);
     sum += above * grid.Area(entry.cell) * prior_.Density(grid.Ordinal(entry.cell));
   }
-  return largest + std::log(sum);
+  log_normalizer_ = largest + std::log(sum);
+  return *log_normalizer_;
 }
 
 double BayesianHistogram::Density(int32_t ordinal) const {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/result.h"
@@ -46,7 +47,8 @@ class BayesianHistogram : public OrientationFusion {
   /// Modes of the posterior, clustered as those of the histogram are (paper 5.2).
   [[nodiscard]] std::vector<OrientationPeak> Peaks() const;
   [[nodiscard]] Result<Eigen::Quaterniond> Estimate() const override;
-  /// Posterior density of the cell at a place (So3Grid::Ordinal), relative to the uniform one.
+  /// Posterior density of the cell at a place (So3Grid::Ordinal), relative to the uniform one. The
+  /// first call after a change costs the touched cells.
   [[nodiscard]] double Density(int32_t ordinal) const;
 
  private:
@@ -57,7 +59,8 @@ class BayesianHistogram : public OrientationFusion {
   BayesianHistogramParameters parameters_;
   CellWeights log_ratios_;  // >= 0
   ConfidenceKernel kernel_;
-  double pending_variance_ = 0.0;  // rad^2, of motion that was not spread yet.
+  mutable std::optional<double> log_normalizer_ = 0.0;  // None until it is asked for.
+  double pending_variance_ = 0.0;                       // rad^2, of motion that was not spread yet.
   bool has_views_ = false;
 };
 

@@ -143,7 +143,8 @@ void OrientationFilter::FindFinalOrientation() {
         break;
     }
   }
-  q_f_.push_back(peaks_.empty() ? Eigen::Quaterniond::Identity() : peaks_.front().q);
+  q_f_.emplace_back();
+  if (!peaks_.empty()) q_f_.back() = peaks_.front().q;
 }
 
 // Every peak becomes the mode that mean shift reaches from it; peaks that reach the same mode, or
@@ -189,9 +190,13 @@ Result<Eigen::Quaterniond> OrientationFilter::Estimate() const {
   return Canonical(peaks_.front().q);
 }
 
-double OrientationFilter::last_change() const {
-  if (q_f_.size() < 2) return -1.0;
-  return SymmetricAngle(knowledge_.symmetry, q_f_[q_f_.size() - 2], q_f_.back());
+double OrientationFilter::last_change() const { return q_f_.size() < 2 ? -1.0 : ChangeAt(0); }
+
+double OrientationFilter::ChangeAt(int age) const {
+  const auto last = q_f_.end() - 1 - age;
+  const auto before = last - 1;
+  if (!last->has_value() || !before->has_value()) return -1.0;
+  return SymmetricAngle(knowledge_.symmetry, **before, **last);
 }
 
 bool OrientationFilter::converged() const {
@@ -199,9 +204,8 @@ bool OrientationFilter::converged() const {
       static_cast<size_t>(std::max(parameters_.converge_views + 1, parameters_.min_views));
   if (peaks_.empty() || q_f_.size() < needed) return false;
   for (int i = 0; i < parameters_.converge_views; ++i) {
-    const auto last = q_f_.end() - 1 - i;
-    const double change = SymmetricAngle(knowledge_.symmetry, *(last - 1), *last);
-    if (!(change < parameters_.converge_angle)) return false;
+    const double change = ChangeAt(i);
+    if (!(change >= 0.0 && change < parameters_.converge_angle)) return false;
   }
   return true;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -61,7 +62,7 @@ class OrientationFilter : public OrientationFusion {
   [[nodiscard]] const OrientationHistogram& histogram() const { return histogram_; }
   /// Modes, best first; empty while no view has weight.
   [[nodiscard]] const std::vector<OrientationPeak>& peaks() const { return peaks_; }
-  /// Angle between the last two q_f, modulo symmetry, rad; -1 before two views.
+  /// Angle between the last two q_f, modulo symmetry, rad; -1 while there are none.
   [[nodiscard]] double last_change() const;
   /// The termination condition of paper 5.2.
   [[nodiscard]] bool converged() const;
@@ -73,6 +74,8 @@ class OrientationFilter : public OrientationFusion {
   void FindFinalOrientation();
   void RefinePeaks();
   [[nodiscard]] Eigen::Quaterniond HeaviestCell() const;
+  // Angle between q_f so many views ago and the one before, rad; -1 where either is none.
+  [[nodiscard]] double ChangeAt(int age) const;
 
   const So3Grid* grid_;
   OrientationFilterParameters parameters_;
@@ -81,7 +84,7 @@ class OrientationFilter : public OrientationFusion {
   std::vector<OrientationView> views_;
   std::vector<OrientationKernel> kernels_;  // Of views with weight.
   std::vector<OrientationPeak> peaks_;
-  std::vector<Eigen::Quaterniond> q_f_;  // After each view; identity while no view had weight.
+  std::vector<std::optional<Eigen::Quaterniond>> q_f_;  // After each view; none without weight.
 };
 
 /// q_f of the same views by each of the five ways, in the order of kFinalOrientations. Errors: a

@@ -1,8 +1,10 @@
 #include "fusion/orientation_prior.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "common/format.h"
 #include "fusion/confidence_kernel.h"
@@ -27,15 +29,18 @@ Result<void> Validate(const LikelyPose& pose) {
   return {};
 }
 
+Result<void> CheckTotal(double total) {
+  if (total > 0.0 && std::isfinite(total)) return {};
+  return Invalid(Format("prior: its weights sum to %g, expected above 0 and finite", total));
+}
+
 }  // namespace
 
 Result<OrientationPrior> OrientationPrior::Normalized(CellWeights cells,
                                                       double mass,
                                                       double elsewhere) {
   const double total = mass + elsewhere;
-  if (!(total > 0.0 && std::isfinite(total))) {
-    return Invalid(Format("prior: its weights sum to %g, expected above 0 and finite", total));
-  }
+  if (auto valid = CheckTotal(total); !valid) return valid.error();
   cells.Scale(static_cast<float>(1.0 / total));
   OrientationPrior prior;
   prior.cells_ = std::make_shared<const CellWeights>(std::move(cells));
@@ -75,8 +80,9 @@ Result<OrientationPrior> OrientationPrior::OnCells(const So3Grid& grid,
     return Invalid(
         Format("prior: weight elsewhere = %g, expected finite and not negative", weight_elsewhere));
   }
-  CellWeights cells(grid);
+  std::vector<So3Grid::Cell> once;
   double mass = 0.0;
+  double area = 0.0;
   for (const CellWeights::Entry& entry : listed) {
     if (!grid.IsValid(entry.cell)) {
       return Invalid(Format("prior: cell %d is none of the grid of k = %d", entry.cell, grid.k()));
@@ -86,11 +92,29 @@ Result<OrientationPrior> OrientationPrior::OnCells(const So3Grid& grid,
                             static_cast<double>(entry.weight),
                             entry.cell));
     }
-    const double above = static_cast<double>(entry.weight) - weight_elsewhere;
-    cells.Add(grid.Ordinal(entry.cell), static_cast<float>(above));
-    mass += above * grid.Area(entry.cell);
+    once.push_back(entry.cell);
+    mass += static_cast<double>(entry.weight) * grid.Area(entry.cell);
+    area += grid.Area(entry.cell);
   }
-  return Normalized(std::move(cells), mass, weight_elsewhere);
+  std::sort(once.begin(), once.end());
+  if (const auto twice = std::adjacent_find(once.begin(), once.end()); twice != once.end()) {
+    return Invalid(Format("prior: cell %d is listed twice, expected once", *twice));
+  }
+  const bool has_others = listed.size() < static_cast<size_t>(grid.num_cells());
+  const double total = mass + (has_others ? weight_elsewhere * std::max(0.0, 1.0 - area) : 0.0);
+  if (auto valid = CheckTotal(total); !valid) return valid.error();
+
+  OrientationPrior prior;
+  // In single precision like the cells, so that those of weight 0 have a density of exactly 0.
+  const auto elsewhere = static_cast<float>(weight_elsewhere / total);
+  CellWeights cells(grid);
+  for (const CellWeights::Entry& entry : listed) {
+    const auto density = static_cast<float>(static_cast<double>(entry.weight) / total);
+    cells.Add(grid.Ordinal(entry.cell), density - elsewhere);
+  }
+  prior.cells_ = std::make_shared<const CellWeights>(std::move(cells));
+  prior.elsewhere_ = static_cast<double>(elsewhere);
+  return prior;
 }
 
 }  // namespace vantage

@@ -32,7 +32,8 @@ class OrientationPrior {
                                               std::span<const LikelyPose> poses,
                                               double uniform_share);
   /// A weight for each cell that is listed and one for all others, in proportion to the density.
-  /// Errors: a cell that is not valid, a weight that is negative or not finite, no mass at all.
+  /// Errors: a cell that is not valid or listed twice, a weight that is negative or not finite, no
+  /// mass at all.
   static Result<OrientationPrior> OnCells(const So3Grid& grid,
                                           std::span<const CellWeights::Entry> cells,
                                           double weight_elsewhere);

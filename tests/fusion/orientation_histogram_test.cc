@@ -55,11 +55,13 @@ std::map<So3Grid::Cell, double> FuseDensely(const So3Grid& grid,
 TEST(ConfidenceWeight, IsEquation2) {
   EXPECT_DOUBLE_EQ(ConfidenceWeight(0.0, 0.1), 1.0);
   EXPECT_NEAR(ConfidenceWeight(0.1, 0.1), std::exp(-0.5), 1e-15);
+  EXPECT_NEAR(ConfidenceWeight(-0.2, 0.1), std::exp(-2.0), 1e-15);
 }
 
 TEST(VerificationWeight, IsEquation4) {
   EXPECT_DOUBLE_EQ(VerificationWeight(0.0, 6.25e-6), 1.0);
   EXPECT_NEAR(VerificationWeight(6.25e-6, 6.25e-6), std::exp(-0.5), 1e-15);
+  EXPECT_NEAR(VerificationWeight(1.25e-5, 6.25e-6), std::exp(-2.0), 1e-15);
   EXPECT_LT(VerificationWeight(1.0, 6.25e-6), 1e-300);
 }
 
@@ -126,6 +128,41 @@ TEST(OrientationHistogram, OrderDoesNotMatter) {
   for (size_t i = 0; i < a.size(); ++i) {
     ASSERT_EQ(a[i].cell, b[i].cell);
     ASSERT_NEAR(a[i].weight, b[i].weight, 1e-6F * a[i].weight);
+  }
+}
+
+// Detections exactly where cells, octants and the half spheres of q and -q meet.
+TEST(OrientationHistogram, OnTheSeamsOfTheGridADetectionKeepsItsMass) {
+  const So3Grid grid(8);
+  std::vector<Eigen::Quaterniond> seams;
+  const std::vector<double> lattice = {-1.0, -0.75, -0.5, -0.125, -0.0, 0.0, 0.125, 0.5, 0.75, 1.0};
+  for (const double x : lattice) {
+    for (const double y : lattice) {
+      for (const double z : lattice) {
+        // On the lattice in three coordinates, and where the sphere allows it in the fourth.
+        const double rest = 1.0 - x * x - y * y - z * z;
+        if (rest < 0.0) continue;
+        for (const double w : {std::sqrt(rest), -std::sqrt(rest)}) seams.emplace_back(w, x, y, z);
+      }
+    }
+  }
+  ASSERT_GT(seams.size(), 500U);
+  for (const Eigen::Quaterniond& q : seams) {
+    const Eigen::Quaterniond minus(-q.coeffs());
+    const So3Grid::Cell cell = grid.CellOf(q);
+    ASSERT_TRUE(grid.IsValid(cell)) << q.coeffs().transpose();
+    ASSERT_EQ(grid.CellOf(minus), cell) << q.coeffs().transpose();
+    for (const double sigma_deg : {0.001, 4.0, 10.0}) {
+      const OrientationHistogram histogram = Fuse(grid, {{q, 1.0}}, sigma_deg * kDegree);
+      ASSERT_NEAR(histogram.Mass(), 1.0, 1e-12);
+      double mass = 0.0;
+      for (const CellWeights::Entry& entry : histogram.weights().Entries()) {
+        mass += static_cast<double>(entry.weight) * grid.Area(entry.cell);
+      }
+      ASSERT_NEAR(mass, 1.0, 1e-6);
+      const OrientationHistogram same = Fuse(grid, {{minus, 1.0}}, sigma_deg * kDegree);
+      ASSERT_EQ(same.weights().Entries(), histogram.weights().Entries());
+    }
   }
 }
 

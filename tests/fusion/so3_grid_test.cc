@@ -265,6 +265,42 @@ TEST(So3Grid, OutOfRangeIsAnError) {
   EXPECT_TRUE(So3Grid::Create(2).ok());
 }
 
+// A finer grid than can be searched for all: some representatives against all 68,416.
+TEST(So3Grid, NearestNeighborsAreFoundAmongAllCells) {
+  const So3Grid grid(16);
+  std::vector<So3Grid::Cell> cells;
+  grid.CellsAt(0, grid.num_cells(), &cells);
+  std::vector<Eigen::Vector4d> all;
+  for (const So3Grid::Cell cell : cells) all.push_back(grid.Representative(cell).coeffs());
+  Rng rng(8);
+  for (int i = 0; i < 200; ++i) {
+    const size_t own = rng.Below(static_cast<uint32_t>(cells.size()));
+    if (grid.Area(cells[own]) == 0.0) continue;
+    double largest = 0.0;
+    size_t nearest = own;
+    for (size_t j = 0; j < all.size(); ++j) {
+      const double dot = std::abs(all[own].dot(all[j]));
+      if (j == own || dot <= largest || grid.Area(cells[j]) == 0.0) continue;
+      largest = dot;
+      nearest = j;
+    }
+    const double angle =
+        GeodesicAngle(Eigen::Quaterniond(all[own]), Eigen::Quaterniond(all[nearest]));
+    EXPECT_GT(angle, 0.4 * 5.12 * kDegree);
+    EXPECT_LT(angle, 1.6 * 5.12 * kDegree);
+    // The search from there finds itself and, as far as the nearest one, nothing else.
+    std::vector<So3Grid::NearCell> near;
+    grid.CellsWithin(Eigen::Quaterniond(-all[own]), angle * (1.0 + 1e-6), &near);
+    std::erase_if(near, [](const So3Grid::NearCell& cell) { return cell.area == 0.0; });
+    EXPECT_TRUE(std::any_of(
+        near.begin(), near.end(), [&](const auto& cell) { return cell.cell == cells[nearest]; }));
+    grid.CellsWithin(Eigen::Quaterniond(all[own]), angle * (1.0 - 1e-6), &near);
+    std::erase_if(near, [](const So3Grid::NearCell& cell) { return cell.area == 0.0; });
+    ASSERT_EQ(near.size(), 1U);
+    EXPECT_EQ(near.front().cell, cells[own]);
+  }
+}
+
 TEST(So3Grid, LargestGridFitsItsNumbers) {
   const So3Grid grid(So3Grid::kLargest);
   EXPECT_NEAR(grid.num_cells(), 548496 * 64, 548496);
