@@ -17,32 +17,35 @@ void CopyQuaternion(const Eigen::Quaterniond& q, double* quat) {
   quat[3] = q.z();
 }
 
+void CopyRowMajor(const Eigen::Matrix3d& matrix, double* values) {
+  for (Eigen::Index i = 0; i < 9; ++i) values[i] = matrix(i / 3, i % 3);
+}
+
 int8_t StateToMessage(ObjectEstimate::State state) {
   switch (state) {
     case ObjectEstimate::State::kConfirmed:
-      return object_estimate_t::CONFIRMED;
+      return object_estimate_v2_t::CONFIRMED;
     case ObjectEstimate::State::kLost:
-      return object_estimate_t::LOST;
+      return object_estimate_v2_t::LOST;
     case ObjectEstimate::State::kTentative:
       break;
   }
-  return object_estimate_t::TENTATIVE;
+  return object_estimate_v2_t::TENTATIVE;
 }
 
-object_estimate_t ObjectToMessage(const ObjectEstimate& object) {
-  object_estimate_t message{};
+object_estimate_v2_t ObjectToMessage(const ObjectEstimate& object) {
+  object_estimate_v2_t message{};
   message.instance_id = object.instance_id;
   message.model_id = object.model_id;
   message.state = StateToMessage(object.state);
   CopyTranslation(object.T_world_object.translation(), message.trans);
-  for (Eigen::Index i = 0; i < 9; ++i) {
-    message.trans_covariance[i] = object.center_covariance(i / 3, i % 3);
-  }
+  CopyRowMajor(object.center_covariance, message.trans_covariance);
   for (const OrientationPeak& peak : object.peaks) {
-    orientation_peak_t peak_message{};
+    orientation_peak_v2_t peak_message{};
     CopyQuaternion(peak.q, peak_message.quat);
     peak_message.weight = peak.weight;
     peak_message.spread = peak.spread;
+    CopyRowMajor(peak.covariance, peak_message.covariance);
     message.peaks.push_back(peak_message);
   }
   message.num_peaks = static_cast<int32_t>(message.peaks.size());
@@ -64,8 +67,8 @@ object_estimate_t ObjectToMessage(const ObjectEstimate& object) {
 
 }  // namespace
 
-object_estimates_t ObjectsToMessage(std::span<const ObjectEstimate> objects) {
-  object_estimates_t message{};
+object_estimates_v2_t ObjectsToMessage(std::span<const ObjectEstimate> objects) {
+  object_estimates_v2_t message{};
   for (const ObjectEstimate& object : objects) message.objects.push_back(ObjectToMessage(object));
   message.num_objects = static_cast<int32_t>(message.objects.size());
   return message;

@@ -20,7 +20,7 @@
 #include "nodes/ppf_node.h"
 #include "tools/support/object_table.h"
 #include "vantage/log_header_t.hpp"
-#include "vantage/object_estimates_t.hpp"
+#include "vantage/object_estimates_v2_t.hpp"
 
 namespace vantage {
 namespace {
@@ -117,7 +117,7 @@ class Progress {
 };
 
 void PrintSummary(const LogBus& bus,
-                  const object_estimates_t& objects,
+                  const object_estimates_v2_t& objects,
                   double seconds,
                   double span) {
   std::printf("%s", ObjectTable(objects).c_str());
@@ -162,11 +162,11 @@ Result<void> Replay(const Arguments& arguments) {
   if (!bus) return bus.error();
   const Result<Nodes> nodes = MakeNodes(**bus, arguments);
   if (!nodes) return nodes.error();
-  object_estimates_t objects{};
-  if (Result<void> subscribed = (*bus)->Subscribe<object_estimates_t>(
+  object_estimates_v2_t objects{};
+  if (Result<void> subscribed = (*bus)->Subscribe<object_estimates_v2_t>(
           "OBJECTS",
           {},
-          [&objects](const Envelope&, const object_estimates_t& message) { objects = message; });
+          [&objects](const Envelope&, const object_estimates_v2_t& message) { objects = message; });
       !subscribed) {
     return subscribed;
   }

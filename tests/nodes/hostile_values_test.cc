@@ -21,7 +21,7 @@
 #include "tests/bus/support/temporary_folder.h"
 #include "vantage/arm_status_t.hpp"
 #include "vantage/next_view_t.hpp"
-#include "vantage/object_estimates_t.hpp"
+#include "vantage/object_estimates_v2_t.hpp"
 #include "vantage/orientation_histogram_t.hpp"
 
 namespace vantage {
@@ -219,17 +219,20 @@ class FusionHostileValues : public HostileValues {
     for (const double value : values) EXPECT_TRUE(std::isfinite(value)) << what;
   }
 
-  void Check(const object_estimates_t& message) {
+  void Check(const object_estimates_v2_t& message) {
     EXPECT_TRUE(IsPlausibleUtime(message.utime));
-    for (const object_estimate_t& object : message.objects) {
+    for (const object_estimate_v2_t& object : message.objects) {
       ExpectAllFinite(object.trans, "trans");
       ExpectAllFinite(object.trans_covariance, "trans_covariance");
       ExpectAllFinite(std::array{object.entropy, object.last_change}, "entropy, last_change");
       EXPECT_GT(object.num_peaks, 0);
-      for (const orientation_peak_t& peak : object.peaks) {
+      for (const orientation_peak_v2_t& peak : object.peaks) {
         EXPECT_TRUE(QuaternionFromWire(peak.quat).ok());
         EXPECT_TRUE(peak.weight >= 0.0 && peak.weight <= 1.0 + 1e-9) << peak.weight;
         EXPECT_TRUE(std::isfinite(peak.spread));
+        const double* c = peak.covariance;
+        ExpectAllFinite(peak.covariance, "covariance");
+        EXPECT_NEAR(c[0] + c[4] + c[8], peak.spread * peak.spread, 1e-12);
       }
     }
     last = message;
@@ -262,7 +265,7 @@ class FusionHostileValues : public HostileValues {
     OpenBus();
     auto node = MakeFusionNode(*bus, Config(), true);
     ASSERT_TRUE(node.ok()) << node.error().message;
-    CheckAll<object_estimates_t>("OBJECTS");
+    CheckAll<object_estimates_v2_t>("OBJECTS");
     CheckAll<next_view_t>("NEXT_VIEW");
     CheckAll<orientation_histogram_t>("ORIENTATION_HISTOGRAM");
     ASSERT_TRUE(bus->Run().ok());
@@ -280,7 +283,7 @@ class FusionHostileValues : public HostileValues {
     const auto node = MakeFusionNode(*bus, Config(), false);
     ASSERT_TRUE(node.ok()) << node.error().message;
     const size_t objects = last.objects.size();
-    CheckAll<object_estimates_t>("OBJECTS");
+    CheckAll<object_estimates_v2_t>("OBJECTS");
     ASSERT_TRUE(bus->Run().ok());
     EXPECT_GE(last.objects.size(), objects);
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "state.bad"));
@@ -290,7 +293,7 @@ class FusionHostileValues : public HostileValues {
   int num_good = 0;
   int num_objects_messages = 0;
   int num_next_views = 0;
-  object_estimates_t last{};
+  object_estimates_v2_t last{};
 };
 
 TEST_F(FusionHostileValues, Detections) {
