@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -28,17 +29,22 @@ class CellWeights {
 
   /// @param grid outlives the weights.
   explicit CellWeights(const So3Grid& grid);
+  CellWeights(const CellWeights& other);
+  CellWeights& operator=(const CellWeights& other);
+  CellWeights(CellWeights&&) noexcept = default;
+  CellWeights& operator=(CellWeights&&) noexcept = default;
+  ~CellWeights() = default;
 
   /// The weight of the cell at a place (So3Grid::Ordinal).
   [[nodiscard]] float At(int32_t ordinal) const {
     const int32_t page = page_of_[static_cast<size_t>(ordinal / kPageSize)];
-    return page < 0 ? 0.0F : pages_[static_cast<size_t>(page)][Within(ordinal)];
+    return page < 0 ? 0.0F : PageAt(page)[Within(ordinal)];
   }
   /// Adds to a cell's weight; an amount below 0 leaves the bounds as they are.
   void Add(int32_t ordinal, float amount) {
     int32_t& page = page_of_[static_cast<size_t>(ordinal / kPageSize)];
     if (page < 0) page = AppendPage(ordinal / kPageSize);
-    float& weight = pages_[static_cast<size_t>(page)][Within(ordinal)];
+    float& weight = PageAt(page)[Within(ordinal)];
     weight += amount;
     float& bound = bounds_[static_cast<size_t>(page)].weight;
     bound = bound < weight ? weight : bound;
@@ -61,19 +67,25 @@ class CellWeights {
 
  private:
   static constexpr int32_t kPageSize = 128;
+  static constexpr int32_t kChunkSize = 32;
   using Page = std::array<float, kPageSize>;
+  using Chunk = std::array<Page, kChunkSize>;  // 16 kB: what heaps keep for the next one.
   struct Bound {
     int32_t first;  // Ordinal of the page's first cell.
     float weight;   // At least the page's largest weight.
   };
 
+  [[nodiscard]] Page& PageAt(int32_t page) const {
+    return (
+        *chunks_[static_cast<size_t>(page / kChunkSize)])[static_cast<size_t>(page % kChunkSize)];
+  }
   static size_t Within(int32_t ordinal) { return static_cast<size_t>(ordinal % kPageSize); }
   int32_t AppendPage(int32_t place);
 
   const So3Grid* grid_;
-  std::vector<int32_t> page_of_;  // By ordinal / kPageSize; -1: no page.
-  std::vector<Page> pages_;       // In the order of their first writing.
-  std::vector<Bound> bounds_;
+  std::vector<int32_t> page_of_;                // By ordinal / kPageSize; -1: no page.
+  std::vector<std::unique_ptr<Chunk>> chunks_;  // Of pages in the order of their first writing.
+  std::vector<Bound> bounds_;                   // By page.
 };
 
 }  // namespace vantage

@@ -118,14 +118,23 @@ class So3Grid {
   [[nodiscard]] Placed PatchIn(const Column& column, int iw) const;
   static Eigen::Vector4d Point(const Column& column, const Placed& placed);
   struct Cap;
-  void AppendColumn(const Cap& cap,
-                    const std::array<int, 3>& xyz,
-                    double reach_w,
-                    std::vector<NearCell>* cells) const;
-  void AppendCellsNear(const Cap& cap, std::vector<NearCell>* cells) const;
+  struct Axis;
+  struct Match;
+  [[nodiscard]] Match Compare(const std::array<Axis, 4>& sorted) const;
+  struct Output;
+  void AppendRow(const Cap& cap, int x, int y, double rest, Output* output) const;
+  void AppendCellsNear(const Cap& cap, Output* output) const;
+  void KeepNearerHalf(const Eigen::Vector4d& q,
+                      size_t num_here,
+                      std::vector<NearCell>* cells) const;
+  // Place in first_patch_ of a <= b <= c.
+  [[nodiscard]] size_t TripleSlot(int a, int b, int c) const {
+    return static_cast<size_t>(tetrahedral_[static_cast<size_t>(c)] + b * (b + 1) / 2 + a);
+  }
 
   int k_;
   int num_cells_ = 0;
+  std::vector<int32_t> tetrahedral_;   // By c: triples a <= b <= c' with c' < c.
   std::vector<int16_t> lowest_;        // By k^2 less the farthest corner's squared distance.
   std::vector<int32_t> column_first_;  // By ColumnSlot: place in the octant, less the lowest w.
   std::vector<int32_t> first_patch_;   // By the three smallest coordinates; plus the largest one.

@@ -1,15 +1,24 @@
 // The histogram filter against a straightforward dense one, which holds every cell of the grid and
-// sweeps over all of them, as the paper's does. k = 32, sigma_cw = 3 degrees.
+// sweeps over all of them, as the paper's does, and against the filters that the paper compares it
+// with. sigma_cw = 3 degrees, 30 views.
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "common/rng.h"
 #include "common/so3.h"
+#include "common/symmetry_group.h"
+#include "fusion/bayesian_histogram.h"
+#include "fusion/bingham/bingham_mixture_filter.h"
+#include "fusion/bingham/bingham_smc_filter.h"
+#include "fusion/compared/particle_filter.h"
+#include "fusion/mode_refinement.h"
+#include "fusion/orientation_filter.h"
 #include "fusion/orientation_histogram.h"
 #include "fusion/peaks.h"
 #include "fusion/quaternion_mean.h"
@@ -21,9 +30,10 @@ namespace {
 constexpr double kSigma = 3.0 * kDegree;
 constexpr int kNumUpdates = 30;
 
-const So3Grid& Grid() {
-  static const So3Grid grid(32);
-  return grid;
+const So3Grid& Grid(int k = 32) {
+  static const So3Grid grid_32(32);
+  static const So3Grid grid_64(64);
+  return k == 32 ? grid_32 : grid_64;
 }
 
 class DenseHistogram {
@@ -56,7 +66,7 @@ class DenseHistogram {
   [[nodiscard]] Eigen::Quaterniond FinalOrientation() const {
     const double w_M = weights_.maxCoeff();
     std::vector<char> taken(cells_.size(), 0);
-    std::vector<So3Grid::Cell> neighbors;
+    std::vector<So3Grid::Neighbor> neighbors;
     double best_mass = -1.0;
     Eigen::Quaterniond best = Eigen::Quaterniond::Identity();
     for (size_t seed = 0; seed < cells_.size(); ++seed) {
@@ -71,8 +81,8 @@ class DenseHistogram {
         mass += share;
         orientations.push_back({grid_.Representative(cells_[i]), share});
         grid_.Neighbors(cells_[i], &neighbors);
-        for (const So3Grid::Cell cell : neighbors) {
-          const auto found = std::lower_bound(cells_.begin(), cells_.end(), cell);
+        for (const So3Grid::Neighbor& neighbor : neighbors) {
+          const auto found = std::lower_bound(cells_.begin(), cells_.end(), neighbor.cell);
           const auto place = static_cast<size_t>(found - cells_.begin());
           if (taken[place] != 0 || Weight(place) < 0.7 * w_M) continue;
           taken[place] = 1;
@@ -109,20 +119,21 @@ std::vector<Eigen::Quaterniond> Detections() {
   return detections;
 }
 
-void SparseUpdate(benchmark::State& state) {
+// Every update of 30 views, from the first one's untouched histogram on.
+void TruncatedUpdate(benchmark::State& state) {
   const std::vector<Eigen::Quaterniond> detections = Detections();
-  OrientationHistogram histogram(Grid());
+  OrientationHistogram histogram(Grid(static_cast<int>(state.range(0))));
   size_t next = 0;
   for (auto _ : state) {
     if (next == detections.size()) {
       state.PauseTiming();
-      histogram = OrientationHistogram(Grid());
+      histogram = OrientationHistogram(histogram.grid());
       next = 0;
       state.ResumeTiming();
     }
     histogram.Add(detections[next++], kSigma, 1.0);
   }
-  state.counters["cells"] = static_cast<double>(histogram.entries().size());
+  state.counters["cells"] = static_cast<double>(histogram.weights().Entries().size());
 }
 
 void DenseUpdate(benchmark::State& state) {
@@ -133,7 +144,7 @@ void DenseUpdate(benchmark::State& state) {
   state.counters["cells"] = Grid().num_cells();
 }
 
-void SparseFinalOrientation(benchmark::State& state) {
+void FinalOrientationOfThirty(benchmark::State& state) {
   OrientationHistogram histogram(Grid());
   DenseHistogram dense(Grid());
   for (const Eigen::Quaterniond& q : Detections()) {
@@ -159,15 +170,132 @@ void AllPeaks(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(FindPeaks(histogram, {}));
 }
 
+void ModeOfThirty(benchmark::State& state) {
+  OrientationHistogram histogram(Grid());
+  std::vector<OrientationKernel> kernels;
+  for (const Eigen::Quaterniond& q : Detections()) {
+    histogram.Add(q, kSigma, 1.0);
+    kernels.push_back({q, 0.0, 1.0});
+  }
+  const Eigen::Quaterniond start = FindPeaks(histogram, {}).front().q;
+  const SymmetryGroup none = SymmetryGroup::None();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(RefineMode(kernels, start, ModeRefinementParameters{}, none));
+  }
+}
+
+// The posterior of all 4.4 million cells of k = 64.
+void BayesianUpdate(benchmark::State& state) {
+  const std::vector<Eigen::Quaterniond> detections = Detections();
+  BayesianHistogramParameters parameters;
+  parameters.sigma = kSigma;
+  BayesianHistogram posterior(Grid(64), parameters);
+  size_t next = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(posterior.Add({detections[next++ % detections.size()], 0.0}).ok());
+  }
+  state.counters["cells"] = Grid(64).num_cells();
+}
+
+// The same with a weight in every cell, all of which each detection multiplies.
+void DenseBayesianUpdate(benchmark::State& state) {
+  const So3Grid& grid = Grid(64);
+  const auto count = static_cast<Eigen::Index>(grid.num_cells());
+  Eigen::Matrix<float, 4, Eigen::Dynamic> representatives(4, count);
+  std::vector<So3Grid::Cell> cells;
+  grid.CellsAt(0, grid.num_cells(), &cells);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    representatives.col(i) =
+        grid.Representative(cells[static_cast<size_t>(i)]).coeffs().cast<float>();
+  }
+  Eigen::VectorXf posterior = Eigen::VectorXf::Ones(count);
+  const std::vector<Eigen::Quaterniond> detections = Detections();
+  const auto cos_cutoff = static_cast<float>(std::cos(1.5 * kSigma));
+  constexpr float kOutliers = 0.05F;
+  size_t next = 0;
+  for (auto _ : state) {
+    const Eigen::Vector4f q = detections[next++ % detections.size()].coeffs().cast<float>();
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const float dot = std::abs(representatives.col(i).dot(q));
+      float likelihood = kOutliers;
+      if (dot >= cos_cutoff) {
+        const float angle = 2.0F * std::acos(std::min(1.0F, dot));
+        const auto sigma = static_cast<float>(kSigma);
+        likelihood += 0.95F * std::exp(-0.5F * angle * angle / (sigma * sigma));
+      }
+      posterior[i] *= likelihood / kOutliers;
+    }
+    benchmark::DoNotOptimize(posterior.data());
+    if (next % detections.size() == 0) posterior.setOnes();
+  }
+}
+
+// One view of 30, update and estimate.
+template <class Make>
+void View(benchmark::State& state, const Make& make) {
+  const std::vector<Eigen::Quaterniond> detections = Detections();
+  auto fusion = make();
+  size_t next = 0;
+  for (auto _ : state) {
+    if (next == detections.size()) {
+      state.PauseTiming();
+      fusion = make();
+      next = 0;
+      state.ResumeTiming();
+    }
+    benchmark::DoNotOptimize(fusion->Add({detections[next++], 0.0}).ok());
+    benchmark::DoNotOptimize(fusion->Estimate().ok());
+  }
+}
+
+void HistogramView(benchmark::State& state) {
+  OrientationFilterParameters parameters;
+  parameters.sigma_cw = kSigma;
+  parameters.final_orientation = FinalOrientation::kCwVwClustering;
+  View(state, [&] { return std::make_unique<OrientationFilter>(Grid(), parameters); });
+}
+
+void DensityModeView(benchmark::State& state) {
+  OrientationFilterParameters parameters;
+  parameters.sigma_cw = kSigma;
+  View(state, [&] { return std::make_unique<OrientationFilter>(Grid(), parameters); });
+}
+
+void ParticleFilterView(benchmark::State& state) {
+  ParticleFilterParameters parameters;
+  parameters.sigma_cw = kSigma;
+  View(state, [&] { return std::make_unique<ParticleFilter>(parameters); });
+}
+
+void BinghamProductView(benchmark::State& state) {
+  BinghamMixtureParameters parameters;
+  parameters.sigma = kSigma;
+  View(state, [&] { return std::make_unique<BinghamMixtureFilter>(parameters); });
+}
+
+void BinghamSmcView(benchmark::State& state) {
+  BinghamSmcParameters parameters;
+  parameters.sigma = kSigma;
+  View(state, [&] { return std::make_unique<BinghamSmcFilter>(parameters, uint64_t{1}); });
+}
+
 void MakeGrid(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(So3Grid(static_cast<int>(state.range(0))));
 }
 
-BENCHMARK(SparseUpdate)->Unit(benchmark::kMicrosecond);
+BENCHMARK(TruncatedUpdate)->Arg(32)->Arg(64)->Unit(benchmark::kMicrosecond);
 BENCHMARK(DenseUpdate)->Unit(benchmark::kMicrosecond);
-BENCHMARK(SparseFinalOrientation)->Unit(benchmark::kMicrosecond);
+BENCHMARK(FinalOrientationOfThirty)->Unit(benchmark::kMicrosecond);
 BENCHMARK(DenseFinalOrientation)->Unit(benchmark::kMicrosecond);
 BENCHMARK(AllPeaks)->Unit(benchmark::kMicrosecond);
+BENCHMARK(ModeOfThirty)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BayesianUpdate)->Unit(benchmark::kMicrosecond);
+BENCHMARK(DenseBayesianUpdate)->Unit(benchmark::kMicrosecond);
+BENCHMARK(HistogramView)->Unit(benchmark::kMicrosecond);
+BENCHMARK(DensityModeView)->Unit(benchmark::kMicrosecond);
+BENCHMARK(ParticleFilterView)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BinghamProductView)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BinghamSmcView)->Unit(benchmark::kMicrosecond);
 BENCHMARK(MakeGrid)->Arg(32)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 
 }  // namespace
