@@ -1,5 +1,5 @@
 // Regenerates the paper's evaluation: simulated views, the real estimator, every fusion method on
-// the same detections, a report.
+// the same detections, a report. Or tunes the methods on other sequences.
 
 #include <unistd.h>
 
@@ -21,27 +21,38 @@
 #include "fusion/so3_grid.h"
 #include "nodes/command_line.h"
 #include "nodes/models_config.h"
+#include "perception/model/file_bytes.h"
 #include "perception/model/object_model.h"
+#include "tools/evaluate/accuracy_text.h"
 #include "tools/evaluate/clustering_sweep.h"
 #include "tools/evaluate/detection_run.h"
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/fusion_methods.h"
 #include "tools/evaluate/grid_statistics.h"
+#include "tools/evaluate/method_cache.h"
 #include "tools/evaluate/progress_bar.h"
 #include "tools/evaluate/report_writer.h"
+#include "tools/evaluate/tuning.h"
+#include "tools/support/gnuplot.h"
 
 namespace vantage {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kInterrupted = 130;
+constexpr int kEvaluationSequences = 60;
+constexpr int kTuningSequences = 10;
+constexpr uint64_t kTuningSeed = 1000;  // Added to the evaluation's.
+
 struct Arguments {
   bool paper = false;
+  bool tune = false;
   std::string models = "models";
   std::vector<std::string> use;
   std::string output = "out/evaluate";
   std::string name = "paper";
-  int sequences = 60;
+  int sequences = -1;  // Below 0: what suits the work.
   int views = 12;
   uint64_t seed = 1;
   int threads = 0;
@@ -114,19 +125,65 @@ Result<std::vector<ObjectModel>> LoadModels(const Arguments& arguments) {
   return models;
 }
 
-Result<DetectionRun> Detect(const std::vector<ObjectModel>& models,
-                            const Arguments& arguments,
-                            const std::stop_token& stop) {
+/// Detections of all models and what is kept of methods. Not complete after a stop.
+struct Input {
+  std::vector<ObjectModel> models;
+  DetectionRun run;
+  std::unique_ptr<MethodCache> cache;
+};
+
+Result<Input> MakeInput(const Arguments& arguments, const std::stop_token& stop) {
+  Input input;
+  Result<std::vector<ObjectModel>> models = LoadModels(arguments);
+  if (!models) return models.error();
+  input.models = std::move(models).value();
+  const fs::path folder = fs::path(arguments.output) / "cache";
+  const Result<uint64_t> program = HashOfThisProgram();
+  if (!program) return program.error();
+  auto cache = MethodCache::Create(folder / "methods", *program);
+  if (!cache) return cache.error();
+  input.cache = std::move(cache).value();
+
   DetectionRequest request;
-  request.simulation.seed = arguments.seed;
+  request.simulation.seed = arguments.seed + (arguments.tune ? kTuningSeed : 0);
   request.simulation.views.random_views = arguments.views;
+  request.circles = arguments.tune ? 0 : 1;
   request.random_sequences = arguments.sequences;
   request.threads = arguments.threads;
-  request.cache = fs::path(arguments.output) / "cache";
+  request.cache = folder;
   Progress bar("views");
-  return RunDetections(models, request, stop, [&bar](const DetectionProgress& progress) {
-    bar.Show(progress.views_done, progress.views_total);
-  });
+  Result<DetectionRun> run =
+      RunDetections(input.models, request, stop, [&bar](const DetectionProgress& progress) {
+        bar.Show(progress.views_done, progress.views_total);
+      });
+  if (!run) return run.error();
+  input.run = std::move(run).value();
+  for (const std::string& note : input.run.notes) std::fprintf(stderr, "%s\n", note.c_str());
+  std::fprintf(stderr,
+               "%lld views simulated, %lld from the cache\n",
+               static_cast<long long>(input.run.views_made),
+               static_cast<long long>(input.run.views_reused));
+  return input;
+}
+
+void TellOfCache(MethodCache* cache) {
+  for (const std::string& note : cache->Notes()) std::fprintf(stderr, "%s\n", note.c_str());
+  std::fprintf(stderr,
+               "%lld outcomes of slow methods from the cache\n",
+               static_cast<long long>(cache->num_found()));
+}
+
+/// Of all models: the random sequences, and the circles too where they are wanted.
+std::vector<EvaluatedSequence> Sequences(const Input& input, bool with_circles) {
+  std::vector<EvaluatedSequence> all;
+  for (size_t i = 0; i < input.models.size(); ++i) {
+    const SymmetryGroup* symmetry = &input.models[i].symmetry;
+    if (with_circles) {
+      for (const auto& sequence : input.run.models[i].circles) all.push_back({&sequence, symmetry});
+    }
+    for (const auto& sequence : input.run.models[i].random) all.push_back({&sequence, symmetry});
+  }
+  return all;
 }
 
 void MeasureGrids(int largest, EvaluationResults* results) {
@@ -137,36 +194,6 @@ void MeasureGrids(int largest, EvaluationResults* results) {
     if (k != 32) continue;
     results->grid_angles = measured.angles;
     results->grid_distances = measured.distances;
-  }
-}
-
-void PrintAccuracy(const EvaluationResults& results) {
-  size_t num_sequences = 0;
-  for (const SequenceErrors& model : results.sequences) {
-    num_sequences += model.final_deg.front().size();
-  }
-  std::printf("%zu sequences of %d views, %zu objects; errors modulo symmetry, 95 %% intervals\n",
-              num_sequences,
-              results.views_per_sequence,
-              results.sequences.size());
-  std::printf("%-26s %-26s %-22s %-28s %s\n",
-              "method",
-              "median (deg)",
-              "wrong mode (%)",
-              "median less the best's (deg)",
-              "us a view");
-  for (size_t m = 0; m < results.accuracy.size(); ++m) {
-    const MethodAccuracy& accuracy = results.accuracy[m];
-    const auto interval = [](const Interval& i, double unit, int digits) {
-      return Format(
-          "%.*f (%.*f..%.*f)", digits, unit * i.value, digits, unit * i.low, digits, unit * i.high);
-    };
-    std::printf("%-26s %-26s %-22s %-28s %.0f\n",
-                results.methods[m].label.c_str(),
-                interval(accuracy.median_deg, 1.0, 4).c_str(),
-                interval(accuracy.wrong_mode_rate, 100.0, 2).c_str(),
-                interval(accuracy.difference_of_medians_deg, 1.0, 4).c_str(),
-                1e6 * accuracy.seconds_per_view);
   }
 }
 
@@ -182,62 +209,101 @@ std::string CommandText(const Arguments& arguments) {
   return command;
 }
 
+/// What is needed at the end is looked for at the start.
+Result<void> PrepareOutput(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    return Error{ErrorCode::kIo,
+                 Format("%s can't be made: %s", folder.c_str(), error.message().c_str())};
+  }
+  const Result<std::string> figure = RunGnuplot("set terminal svg\nplot x\n");
+  if (!figure) return figure.error();
+  return {};
+}
+
+/// @return the exit code.
+Result<int> Tune(const Arguments& arguments) {
+  const Interrupt interrupt;
+  const Result<So3Grid> grid = So3Grid::Create(arguments.k);
+  if (!grid) return grid.error();
+  const Result<Input> input = MakeInput(arguments, interrupt.token());
+  if (!input) return input.error();
+  if (!input->run.is_complete) return kInterrupted;
+  const std::vector<EvaluatedSequence> sequences = Sequences(*input, false);
+  if (sequences.empty()) {
+    return Error{ErrorCode::kInvalidArgument, "--sequences = 0, expected at least 1 to tune on"};
+  }
+  TuningParameters parameters;
+  parameters.run = {arguments.seed + kTuningSeed, arguments.threads, input->cache.get()};
+  std::vector<TuningTrial> trials;
+  for (const TunableMethod& method : TunableMethods(*grid)) {
+    Progress bar("sequences fused by " + method.info.id);
+    const std::vector<TuningTrial> tried = TuneMethod(
+        method, sequences, parameters, interrupt.token(), [&bar](int64_t done, int64_t total) {
+          bar.Show(done, total);
+        });
+    if (tried.empty()) return kInterrupted;
+    trials.insert(trials.end(), tried.begin(), tried.end());
+  }
+  TellOfCache(input->cache.get());
+  const fs::path folder = fs::path(arguments.output) / "tuning";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  const fs::path file = folder / "tuning.csv";
+  if (const auto written = WriteFileBytes(file, TuningCsv(trials)); !written) {
+    return written.error();
+  }
+  std::printf("%zu sequences of seed %llu\n%s%s\n",
+              sequences.size(),
+              static_cast<unsigned long long>(parameters.run.seed),
+              TuningText(trials).c_str(),
+              file.c_str());
+  return 0;
+}
+
 /// @return the exit code.
 Result<int> Evaluate(const Arguments& arguments) {
   const Interrupt interrupt;
   const Result<So3Grid> grid = So3Grid::Create(arguments.k);
   if (!grid) return grid.error();
+  const fs::path folder = fs::path(arguments.output) / arguments.name;
+  if (const auto prepared = PrepareOutput(folder); !prepared) return prepared.error();
+  const Result<Input> input = MakeInput(arguments, interrupt.token());
+  if (!input) return input.error();
+  if (!input->run.is_complete) return kInterrupted;
+
   EvaluationParameters parameters;
   parameters.seed = arguments.seed;
   parameters.threads = arguments.threads;
   parameters.figure10_models = {"filter", "hub", "bracket"};
+  parameters.cache = input->cache.get();
   if (const auto valid = parameters.Validate(); !valid) return valid.error();
-  const Result<std::vector<ObjectModel>> models = LoadModels(arguments);
-  if (!models) return models.error();
-
-  const Result<DetectionRun> run = Detect(*models, arguments, interrupt.token());
-  if (!run) return run.error();
-  for (const std::string& note : run->notes) std::fprintf(stderr, "%s\n", note.c_str());
-  std::fprintf(stderr,
-               "%lld views simulated, %lld from the cache\n",
-               static_cast<long long>(run->views_made),
-               static_cast<long long>(run->views_reused));
-  constexpr int kInterrupted = 130;
-  if (!run->is_complete) return kInterrupted;
-
   EvaluationResults results;
   results.command = CommandText(arguments);
   results.version = VANTAGE_VERSION;
   results.views_per_sequence = arguments.views;
   results.histogram_k = arguments.k;
-  const std::vector<FusionMethod> methods = FusionMethods(*grid);
   {
     Progress bar("sequences fused");
-    if (!EvaluateMethods(
-            *models,
-            run->models,
-            methods,
-            parameters,
-            interrupt.token(),
-            [&bar](int64_t done, int64_t total) { bar.Show(done, total); },
-            &results)) {
-      return kInterrupted;
-    }
+    const bool is_complete = EvaluateMethods(
+        input->models,
+        input->run.models,
+        FusionMethods(*grid),
+        parameters,
+        interrupt.token(),
+        [&bar](int64_t done, int64_t total) { bar.Show(done, total); },
+        &results);
+    if (!is_complete) return kInterrupted;
   }
-  std::vector<EvaluatedSequence> all;
-  for (size_t i = 0; i < models->size(); ++i) {
-    for (const auto& s : run->models[i].circles) all.push_back({&s, &(*models)[i].symmetry});
-    for (const auto& s : run->models[i].random) all.push_back({&s, &(*models)[i].symmetry});
-  }
-  results.sweep =
-      SweepClustering(*grid, all, results.wrong_mode_deg, arguments.threads, interrupt.token());
+  TellOfCache(input->cache.get());
+  results.sweep = SweepClustering(
+      *grid, Sequences(*input, true), results.wrong_mode_deg, arguments.threads, interrupt.token());
   if (interrupt.token().stop_requested()) return kInterrupted;
   MeasureGrids(arguments.largest_grid, &results);
 
-  const fs::path folder = fs::path(arguments.output) / arguments.name;
   if (const auto written = WriteEvaluation(results, folder); !written) return written.error();
-  PrintAccuracy(results);
-  std::printf("%s\n", (folder / "report.html").c_str());
+  std::printf("%s%s\n", AccuracyText(results).c_str(), (folder / "report.html").c_str());
   if (!arguments.check) return 0;
   const std::vector<std::string> missed = MissedBars(results);
   for (const std::string& bar : missed) std::fprintf(stderr, "%s\n", bar.c_str());
@@ -251,13 +317,19 @@ int Main(int argc, char** argv) {
       "are cached: an interrupted run goes on where it ended.",
       "vantage-evaluate");
   Arguments arguments;
-  app.add_flag("--paper", arguments.paper, "Everything that the paper shows")->required();
+  CLI::Option_group* work = app.add_option_group("what to do");
+  work->add_flag("--paper", arguments.paper, "Everything that the paper shows");
+  work->add_flag("--tune",
+                 arguments.tune,
+                 "Tries parameters of every method on sequences of the seed plus 1000");
+  work->require_option(1);
   app.add_option("--models", arguments.models, "Folder with one folder a model")
       ->capture_default_str();
   app.add_option("--use", arguments.use, "Models of that folder; all of them by default");
-  app.add_option("--sequences", arguments.sequences, "Random sequences of each model")
-      ->check(CLI::Range(0, 100000))
-      ->capture_default_str();
+  app.add_option("--sequences",
+                 arguments.sequences,
+                 "Random sequences of each model, by default 60, or 10 to tune on")
+      ->check(CLI::Range(0, 100000));
   app.add_option("--views", arguments.views, "Views of a random sequence")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -279,7 +351,10 @@ int Main(int argc, char** argv) {
   if (arguments.threads == 0) {
     arguments.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   }
-  const Result<int> code = Evaluate(arguments);
+  if (arguments.sequences < 0) {
+    arguments.sequences = arguments.tune ? kTuningSequences : kEvaluationSequences;
+  }
+  const Result<int> code = arguments.tune ? Tune(arguments) : Evaluate(arguments);
   if (code) return *code;
   std::fprintf(stderr, "vantage-evaluate: %s\n", code.error().message.c_str());
   return 2;

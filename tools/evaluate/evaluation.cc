@@ -129,9 +129,11 @@ std::vector<MethodAccuracy> Accuracies(const EvaluationResults& results,
   bootstrap.groups = groups;
   std::vector<Sample> samples;
   size_t best = 0;
+  size_t blind = 0;
   for (size_t m = 0; m < results.methods.size(); ++m) {
     samples.push_back(SampleOf(results.sequences, m, results.wrong_mode_deg));
     if (results.methods[m].id == results.best_ours) best = m;
+    if (results.methods[m].id == results.best_blind) blind = m;
   }
   std::vector<MethodAccuracy> accuracies;
   for (size_t m = 0; m < samples.size(); ++m) {
@@ -148,6 +150,8 @@ std::vector<MethodAccuracy> Accuracies(const EvaluationResults& results,
         sample.error_deg, samples[best].error_deg, Statistic::kMedian, bootstrap, rng);
     accuracy.difference_of_wrong_mode_rates = DifferenceInterval(
         sample.is_wrong_mode, samples[best].is_wrong_mode, Statistic::kMean, bootstrap, rng);
+    accuracy.difference_to_blind_deg = DifferenceInterval(
+        sample.error_deg, samples[blind].error_deg, Statistic::kMedian, bootstrap, rng);
     std::vector<double> seconds;
     for (const SequenceOutcome& outcome : outcomes[m]) seconds.push_back(outcome.seconds_per_view);
     accuracy.seconds_per_view = Median(seconds);
@@ -157,16 +161,19 @@ std::vector<MethodAccuracy> Accuracies(const EvaluationResults& results,
   return accuracies;
 }
 
-// Single runs of the particle filter, which differ in their random numbers alone.
+// Single runs of the particle filter, which differ in their random numbers alone: [run][view].
+// Fewer after a stop.
 std::vector<std::vector<double>> ParticleRuns(std::span<const FusionMethod> methods,
                                               const EvaluatedSequence& circle,
-                                              const EvaluationParameters& parameters) {
+                                              const EvaluationParameters& parameters,
+                                              const std::stop_token& stop) {
   std::vector<std::vector<double>> runs;
+  const std::vector<EvaluatedSequence> same(static_cast<size_t>(parameters.particle_runs), circle);
   for (const FusionMethod& method : methods) {
     if (method.info.id != kParticleFilterId) continue;
-    for (int run = 0; run < parameters.particle_runs; ++run) {
-      const auto seed = parameters.seed + 1000 + static_cast<uint64_t>(run);
-      runs.push_back(RunMethod(method, circle, seed).symmetric_deg);
+    const MethodRunOptions options{parameters.seed + 1000, parameters.threads, parameters.cache};
+    for (const auto& of_method : RunMethods({&method, 1}, same, options, stop, {})) {
+      for (const SequenceOutcome& outcome : of_method) runs.push_back(outcome.symmetric_deg);
     }
   }
   return runs;
@@ -212,16 +219,16 @@ bool EvaluateMethods(std::span<const ObjectModel> models,
   const auto report = [&](int64_t done) {
     if (progress) progress(before + done, total);
   };
-  const Outcomes on_circles =
-      RunMethods(methods, circles, parameters.seed, parameters.threads, stop, report);
+  const MethodRunOptions options{parameters.seed, parameters.threads, parameters.cache};
+  const Outcomes on_circles = RunMethods(methods, circles, options, stop, report);
   before = static_cast<int64_t>(circles.size());
-  const Outcomes on_random =
-      RunMethods(methods, random, parameters.seed, parameters.threads, stop, report);
+  const Outcomes on_random = RunMethods(methods, random, options, stop, report);
   if (stop.stop_requested()) return false;
 
   results->seed = parameters.seed;
   results->wrong_mode_deg = parameters.wrong_mode_deg;
   results->best_ours = kBestOursId;
+  results->best_blind = kBestBlindId;
   results->methods.clear();
   for (const FusionMethod& method : methods) results->methods.push_back(method.info);
   results->circle.clear();
@@ -234,7 +241,7 @@ bool EvaluateMethods(std::span<const ObjectModel> models,
       const auto& shown = parameters.figure10_models;
       if (std::find(shown.begin(), shown.end(), models[i].id) != shown.end()) {
         results->circle.back().particle_runs_deg =
-            ParticleRuns(methods, circles[circle], parameters);
+            ParticleRuns(methods, circles[circle], parameters, stop);
       }
       ++circle;
     }
@@ -242,6 +249,7 @@ bool EvaluateMethods(std::span<const ObjectModel> models,
     results->sequences.push_back(ErrorsOfModel(models[i], detections[i].random, on_random, first));
     first += detections[i].random.size();
   }
+  if (stop.stop_requested()) return false;
   results->accuracy = Accuracies(*results, on_random, parameters);
   return true;
 }

@@ -11,6 +11,7 @@
 #include "tools/evaluate/detection_run.h"
 #include "tools/evaluate/evaluation_results.h"
 #include "tools/evaluate/fusion_methods.h"
+#include "tools/evaluate/method_cache.h"
 
 namespace vantage {
 
@@ -23,6 +24,7 @@ struct EvaluationParameters {
   int particle_runs = 20;  ///< of the particle filter on each circle shown in Fig. 10
   int bootstrap_resamples = 2000;
   std::vector<std::string> figure10_models;  ///< models with all those runs; others have one
+  MethodCache* cache = nullptr;              ///< of slow methods' outcomes; null: none
 
   Result<void> Validate() const;
 };

@@ -66,6 +66,8 @@ struct MethodAccuracy {
   /// Difference of the medians and of the wrong-mode rates over the same resamples, alike.
   Interval difference_of_medians_deg;
   Interval difference_of_wrong_mode_rates;
+  /// Difference of the medians to the best variant that is not told the symmetry, alike.
+  Interval difference_to_blind_deg;
   double seconds_per_view = 0.0;     ///< median, one core
   int64_t num_without_estimate = 0;  ///< sequences; they count as wrong mode
 };
@@ -90,7 +92,8 @@ struct EvaluationResults {
   int views_per_sequence = 0;
   int histogram_k = 0;
   std::vector<MethodInfo> methods;
-  std::string best_ours;  ///< id of the variant that the differences are taken to
+  std::string best_ours;   ///< id of the variant that the differences are taken to
+  std::string best_blind;  ///< id of the best that is not told the symmetry
   std::vector<GridStatistics> grids;
   BinCounts grid_angles;     ///< Fig. 4, angles of the representatives, at k = 32
   BinCounts grid_distances;  ///< Fig. 4, d_nn at k = 32

@@ -1,8 +1,8 @@
 #include "tools/evaluate/fusion_methods.h"
 
-#include <cmath>
 #include <utility>
 
+#include "common/check.h"
 #include "common/format.h"
 #include "common/so3.h"
 #include "fusion/bayesian_histogram.h"
@@ -13,141 +13,259 @@
 #include "fusion/compared/particle_filter.h"
 #include "fusion/orientation_filter.h"
 
+// The value of a parameter is what `vantage-evaluate --tune` found best for its method among the
+// candidates beside it, on sequences that the evaluation does not use.
+
 namespace vantage {
 namespace {
 
-FusionMethod Histogram(const So3Grid& grid,
-                       MethodInfo info,
-                       const OrientationFilterParameters& parameters,
-                       bool is_told_symmetry = false) {
-  return {std::move(info),
-          [&grid, parameters, is_told_symmetry](uint64_t, const SymmetryGroup& symmetry) {
-            OrientationKnowledge knowledge;
-            if (is_told_symmetry) knowledge.symmetry = symmetry;
-            return std::make_unique<OrientationFilter>(grid, parameters, knowledge);
+using Values = std::vector<double>;
+
+TunableMethod Mean() {
+  return {{"mean", "Mean orientation", "chordal mean", false, false},
+          false,
+          {},
+          [](const Values&) -> FusionMaker {
+            return
+                [](uint64_t, const SymmetryGroup&) { return std::make_unique<MeanOrientation>(); };
           }};
 }
 
-MethodInfo Ours(std::string id, std::string label, std::string parameters, bool is_past_paper) {
-  return {std::move(id), std::move(label), std::move(parameters), true, is_past_paper};
+TunableMethod Knn() {
+  return {{"knn", "KNN clustering", "", false, false},
+          false,
+          {{"neighbors within", "deg", 10.0, {0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 10, 15, 20}}},
+          [](const Values& values) -> FusionMaker {
+            KnnClusteringParameters parameters;
+            parameters.max_distance = values[0] * kDegree;
+            return [parameters](uint64_t, const SymmetryGroup&) {
+              return std::make_unique<KnnClustering>(parameters);
+            };
+          }};
 }
 
-void AppendCompared(std::vector<FusionMethod>* methods) {
-  methods->push_back(
-      {{"mean", "Mean orientation", "chordal mean", false, false},
-       [](uint64_t, const SymmetryGroup&) { return std::make_unique<MeanOrientation>(); }});
-  const KnnClusteringParameters knn;
-  methods->push_back(
-      {{"knn",
-        "KNN clustering",
-        Format("neighbors within %g deg", knn.max_distance / kDegree),
-        false,
-        false},
-       [knn](uint64_t, const SymmetryGroup&) { return std::make_unique<KnnClustering>(knn); }});
-  const ParticleFilterParameters particle;
-  methods->push_back({{kParticleFilterId,
-                       "Particle filter",
-                       Format("%d particles, sigma %g deg, outliers %g",
-                              particle.num_particles,
-                              particle.sigma_cw / kDegree,
-                              particle.outlier_share),
-                       false,
-                       false},
-                      [particle](uint64_t seed, const SymmetryGroup&) {
-                        ParticleFilterParameters seeded = particle;
-                        seeded.seed = seed;
-                        return std::make_unique<ParticleFilter>(seeded);
-                      }});
-  const BinghamMixtureParameters mixture;
-  methods->push_back({{"bmm_mr",
-                       "BMM M+R",
-                       Format("sigma %g deg, uniform component %g",
-                              mixture.sigma / kDegree,
-                              1.0 - mixture.peaked_weight),
-                       false,
-                       false},
-                      [mixture](uint64_t, const SymmetryGroup&) {
-                        return std::make_unique<BinghamMixtureFilter>(mixture);
-                      }});
-  const BinghamSmcParameters smc;
-  methods->push_back({{"bmm_smc",
-                       "BMM SMC",
-                       Format("%d samples, sigma %g deg, uniform component %g",
-                              smc.num_samples,
-                              smc.sigma / kDegree,
-                              1.0 - smc.peaked_weight),
-                       false,
-                       false},
-                      [smc](uint64_t seed, const SymmetryGroup&) {
-                        return std::make_unique<BinghamSmcFilter>(smc, seed);
-                      }});
+TunableMethod Particles() {
+  return {{kParticleFilterId, "Particle filter", "548496 particles", false, false},
+          true,
+          {{"sigma", "deg", 4.0, {0.25, 0.5, 1, 2, 4}},
+           {"jitter", "sigma", 0.125, {0.06, 0.125, 0.25, 0.5}},
+           {"outliers", "", 0.1, {0.02, 0.05, 0.1, 0.2, 0.4}}},
+          [](const Values& values) -> FusionMaker {
+            ParticleFilterParameters parameters;
+            parameters.num_particles = 548496;
+            parameters.sigma_cw = values[0] * kDegree;
+            parameters.jitter = values[1] * parameters.sigma_cw;
+            parameters.outlier_share = values[2];
+            return [parameters](uint64_t seed, const SymmetryGroup&) {
+              ParticleFilterParameters seeded = parameters;
+              seeded.seed = seed;
+              return std::make_unique<ParticleFilter>(seeded);
+            };
+          }};
 }
 
-OrientationFilterParameters With(FinalOrientation final_orientation) {
-  OrientationFilterParameters parameters;
-  parameters.final_orientation = final_orientation;
-  return parameters;
+TunableMethod BinghamMixtures() {
+  return {{"bmm_mr", "BMM M+R", "", false, false},
+          true,
+          {{"sigma", "deg", 4.0, {0.1, 0.15, 0.25, 0.35, 0.5, 0.7, 1, 2, 4}},
+           {"uniform component", "", 0.05, {0.01, 0.02, 0.05, 0.1, 0.2, 0.4}}},
+          [](const Values& values) -> FusionMaker {
+            BinghamMixtureParameters parameters;
+            parameters.sigma = values[0] * kDegree;
+            parameters.peaked_weight = 1.0 - values[1];
+            return [parameters](uint64_t, const SymmetryGroup&) {
+              return std::make_unique<BinghamMixtureFilter>(parameters);
+            };
+          }};
+}
+
+TunableMethod BinghamParticles() {
+  return {{"bmm_smc", "BMM SMC", "100000 samples", false, false},
+          true,
+          {{"sigma", "deg", 4.0, {0.2, 0.35, 0.5, 0.7, 1, 2, 4}},
+           {"jitter", "sigma", 0.4, {0.1, 0.2, 0.4, 0.8}},
+           {"uniform component", "", 0.1, {0.02, 0.05, 0.1, 0.2, 0.4}}},
+          [](const Values& values) -> FusionMaker {
+            BinghamSmcParameters parameters;
+            parameters.num_samples = 100000;
+            parameters.sigma = values[0] * kDegree;
+            parameters.jitter = values[1];
+            parameters.peaked_weight = 1.0 - values[2];
+            return [parameters](uint64_t seed, const SymmetryGroup&) {
+              return std::make_unique<BinghamSmcFilter>(parameters, seed);
+            };
+          }};
+}
+
+/// How a histogram variant takes its values.
+using SetValues = void (*)(const Values& values, OrientationFilterParameters* parameters);
+
+struct HistogramVariant {
+  const char* id;
+  const char* label;
+  FinalOrientation final_orientation;
+  bool is_past_paper = false;
+  bool is_told_symmetry = false;
+};
+
+TunableMethod Histogram(const So3Grid& grid,
+                        const HistogramVariant& variant,
+                        std::vector<MethodParameter> parameters,
+                        SetValues set_values) {
+  std::string fixed = Format("k = %d", grid.k());
+  if (variant.final_orientation == FinalOrientation::kCwClustering ||
+      variant.final_orientation == FinalOrientation::kCwVwClustering) {
+    fixed += ", w_min 0.7, w_max 0.9";
+  }
+  if (variant.is_told_symmetry) fixed += ", told the symmetry group";
+  return {{variant.id, variant.label, std::move(fixed), true, variant.is_past_paper},
+          false,
+          std::move(parameters),
+          [&grid, variant, set_values](const Values& values) -> FusionMaker {
+            OrientationFilterParameters set;
+            set.final_orientation = variant.final_orientation;
+            set.peaks.w_min = 0.7;
+            set.peaks.w_max = 0.9;
+            set_values(values, &set);
+            const bool is_told_symmetry = variant.is_told_symmetry;
+            return [&grid, set, is_told_symmetry](uint64_t, const SymmetryGroup& symmetry) {
+              OrientationKnowledge knowledge;
+              if (is_told_symmetry) knowledge.symmetry = symmetry;
+              return std::make_unique<OrientationFilter>(grid, set, knowledge);
+            };
+          }};
+}
+
+MethodParameter SigmaCw(double value) {
+  return {"sigma_cw", "deg", value, {1, 1.5, 2, 3, 4, 6, 8, 12}};
+}
+MethodParameter SigmaVw(double value) {
+  return {"sigma_vw", "mm^2", value, {0.4, 0.8, 1.6, 3, 6, 12, 25}};
+}
+
+void SetSigmaCw(double value_deg, OrientationFilterParameters* parameters) {
+  parameters->sigma_cw = value_deg * kDegree;
+}
+void SetSigmaVw(double value_mm2, OrientationFilterParameters* parameters) {
+  parameters->sigma_vw = 1e-6 * value_mm2;
 }
 
 // The paper's variants.
-void AppendHistograms(const So3Grid& grid, std::vector<FusionMethod>* methods) {
-  const OrientationFilterParameters filter;
-  const std::string cells = Format("k = %d", grid.k());
-  const std::string clusters = Format("k = %d, sigma_cw %g deg, w_min %g, w_max %g",
-                                      grid.k(),
-                                      filter.sigma_cw / kDegree,
-                                      filter.peaks.w_min,
-                                      filter.peaks.w_max);
-  const std::string verified = Format(", sigma_vw (%g mm)^2", 1e3 * std::sqrt(filter.sigma_vw));
-  const auto append = [&](FinalOrientation final_orientation,
-                          const std::string& label,
-                          const std::string& parameters) {
-    methods->push_back(Histogram(
-        grid, Ours(Name(final_orientation), label, parameters, false), With(final_orientation)));
-  };
-  append(FinalOrientation::kVoting, "Voting", cells);
-  append(FinalOrientation::kVwVoting, "VW voting", cells + verified);
-  append(FinalOrientation::kCwClustering, "CW clustering", clusters);
-  append(FinalOrientation::kCwVwClustering, "CW+VW clustering", clusters + verified);
+void AppendHistograms(const So3Grid& grid, std::vector<TunableMethod>* methods) {
+  methods->push_back(Histogram(grid,
+                               {"voting", "Voting", FinalOrientation::kVoting},
+                               {},
+                               [](const Values&, OrientationFilterParameters*) {}));
+  methods->push_back(Histogram(grid,
+                               {"vw_voting", "VW voting", FinalOrientation::kVwVoting},
+                               {SigmaVw(6.0)},
+                               [](const Values& values, OrientationFilterParameters* parameters) {
+                                 SetSigmaVw(values[0], parameters);
+                               }));
+  methods->push_back(Histogram(grid,
+                               {"cw_clustering", "CW clustering", FinalOrientation::kCwClustering},
+                               {SigmaCw(4.0)},
+                               [](const Values& values, OrientationFilterParameters* parameters) {
+                                 SetSigmaCw(values[0], parameters);
+                               }));
+  methods->push_back(
+      Histogram(grid,
+                {"cw_vw_clustering", "CW+VW clustering", FinalOrientation::kCwVwClustering},
+                {SigmaCw(4.0), SigmaVw(6.0)},
+                [](const Values& values, OrientationFilterParameters* parameters) {
+                  SetSigmaCw(values[0], parameters);
+                  SetSigmaVw(values[1], parameters);
+                }));
 }
 
-void AppendPastPaper(const So3Grid& grid, std::vector<FusionMethod>* methods) {
-  const BayesianHistogramParameters bayesian;
-  methods->push_back({Ours("bayesian",
-                           "Bayesian histogram",
-                           Format("k = %d, sigma %g deg, outliers %g",
-                                  grid.k(),
-                                  bayesian.sigma / kDegree,
-                                  bayesian.outlier_share),
-                           true),
-                      [&grid, bayesian](uint64_t, const SymmetryGroup&) {
-                        return std::make_unique<BayesianHistogram>(grid, bayesian);
-                      }});
-  OrientationFilterParameters fixed = With(FinalOrientation::kDensityMode);
-  fixed.mode.bandwidth = 0.0;
-  methods->push_back(Histogram(grid,
-                               Ours("density_mode_fixed",
-                                    "Density mode, fixed width",
-                                    Format("kernels of %g deg", fixed.mode.sigma / kDegree),
-                                    true),
-                               fixed));
-  const OrientationFilterParameters adaptive = With(FinalOrientation::kDensityMode);
-  const std::string width = Format("kernels %g times the scatter", adaptive.mode.bandwidth);
-  methods->push_back(Histogram(grid, Ours(kBestBlindId, "Density mode", width, true), adaptive));
+TunableMethod Bayesian(const So3Grid& grid) {
+  return {{"bayesian", "Bayesian histogram", Format("k = %d", grid.k()), true, true},
+          false,
+          {{"sigma", "deg", 4.0, {1, 1.5, 2, 3, 4, 6, 8}},
+           {"outliers", "", 0.05, {0.02, 0.05, 0.1, 0.2, 0.4}}},
+          [&grid](const Values& values) -> FusionMaker {
+            BayesianHistogramParameters parameters;
+            parameters.sigma = values[0] * kDegree;
+            parameters.outlier_share = values[1];
+            return [&grid, parameters](uint64_t, const SymmetryGroup&) {
+              return std::make_unique<BayesianHistogram>(grid, parameters);
+            };
+          }};
+}
+
+// The histogram finds the mode, kernels about the detections themselves refine it.
+TunableMethod DensityModeOf(const So3Grid& grid,
+                            const HistogramVariant& variant,
+                            double bandwidth,
+                            double mse_floor_mm2,
+                            double sigma_deg) {
+  return Histogram(grid,
+                   variant,
+                   {{"kernels", "times the scatter", bandwidth, {1, 1.5, 2, 3, 4, 6}},
+                    {"mse_floor", "mm^2", mse_floor_mm2, {0.01, 0.03, 0.1, 0.3, 1, 3}},
+                    {"sigma", "deg", sigma_deg, {1, 2, 3, 4, 6, 8}}},
+                   [](const Values& values, OrientationFilterParameters* parameters) {
+                     parameters->mode.bandwidth = values[0];
+                     parameters->mode.mse_floor = 1e-6 * values[1];
+                     SetSigmaCw(values[2], parameters);
+                     parameters->mode.sigma = parameters->sigma_cw;
+                   });
+}
+
+void AppendPastPaper(const So3Grid& grid, std::vector<TunableMethod>* methods) {
+  methods->push_back(Bayesian(grid));
   methods->push_back(Histogram(
       grid,
-      Ours(kBestOursId, "Density mode, symmetry", width + ", told the symmetry group", true),
-      adaptive,
-      true));
+      {"density_mode_fixed", "Density mode, fixed width", FinalOrientation::kDensityMode, true},
+      {{"kernels", "deg", 4.0, {0.25, 0.35, 0.5, 0.7, 1, 2, 4}}},
+      [](const Values& values, OrientationFilterParameters* parameters) {
+        parameters->mode.bandwidth = 0.0;
+        parameters->mode.sigma = values[0] * kDegree;
+        parameters->mode.smallest_sigma = parameters->mode.sigma;
+      }));
+  methods->push_back(DensityModeOf(
+      grid, {kBestBlindId, "Density mode", FinalOrientation::kDensityMode, true}, 3.0, 0.1, 4.0));
+  methods->push_back(DensityModeOf(
+      grid,
+      {kBestOursId, "Density mode, symmetry", FinalOrientation::kDensityMode, true, true},
+      3.0,
+      0.1,
+      4.0));
 }
 
 }  // namespace
 
-std::vector<FusionMethod> FusionMethods(const So3Grid& grid) {
-  std::vector<FusionMethod> methods;
-  AppendCompared(&methods);
+std::vector<double> TunableMethod::Values() const {
+  std::vector<double> values;
+  for (const MethodParameter& parameter : parameters) values.push_back(parameter.value);
+  return values;
+}
+
+FusionMethod TunableMethod::With(const std::vector<double>& values) const {
+  VANTAGE_CHECK(values.size() == parameters.size(), info.id);
+  FusionMethod method{info, is_slow, make(values)};
+  std::string& text = method.info.parameters;
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (!text.empty()) text += ", ";
+    text += Format("%s %g", parameters[i].name.c_str(), values[i]);
+    if (!parameters[i].unit.empty()) text += " " + parameters[i].unit;
+  }
+  return method;
+}
+
+std::vector<TunableMethod> TunableMethods(const So3Grid& grid) {
+  std::vector<TunableMethod> methods = {
+      Mean(), Knn(), Particles(), BinghamMixtures(), BinghamParticles()};
   AppendHistograms(grid, &methods);
   AppendPastPaper(grid, &methods);
+  return methods;
+}
+
+std::vector<FusionMethod> FusionMethods(const So3Grid& grid) {
+  std::vector<FusionMethod> methods;
+  for (const TunableMethod& method : TunableMethods(grid)) {
+    methods.push_back(method.With(method.Values()));
+  }
   return methods;
 }
 

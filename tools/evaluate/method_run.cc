@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "common/so3.h"
+#include "tools/evaluate/method_cache.h"
 
 namespace vantage {
 namespace {
@@ -21,6 +22,18 @@ double ThreadSeconds() {
 
 Eigen::Quaterniond Rotation(const Pose& pose) {
   return Eigen::Quaterniond(pose.linear()).normalized();
+}
+
+// As RunMethod, by the cache where it is worth it.
+SequenceOutcome RunOrRecall(const FusionMethod& method,
+                            const EvaluatedSequence& evaluated,
+                            uint64_t seed,
+                            MethodCache* cache) {
+  if (cache == nullptr || !method.is_slow) return RunMethod(method, evaluated, seed);
+  if (auto kept = cache->Find(method.info, evaluated, seed)) return *std::move(kept);
+  SequenceOutcome outcome = RunMethod(method, evaluated, seed);
+  cache->Keep(method.info, evaluated, seed, outcome);
+  return outcome;
 }
 
 }  // namespace
@@ -58,8 +71,7 @@ SequenceOutcome RunMethod(const FusionMethod& method,
 
 std::vector<std::vector<SequenceOutcome>> RunMethods(std::span<const FusionMethod> methods,
                                                      std::span<const EvaluatedSequence> sequences,
-                                                     uint64_t seed,
-                                                     int threads,
+                                                     const MethodRunOptions& options,
                                                      const std::stop_token& stop,
                                                      const std::function<void(int64_t)>& progress) {
   std::vector<std::vector<SequenceOutcome>> outcomes(
@@ -70,15 +82,16 @@ std::vector<std::vector<SequenceOutcome>> RunMethods(std::span<const FusionMetho
   const auto work = [&] {
     for (size_t i = next++; i < sequences.size() && !stop.stop_requested(); i = next++) {
       for (size_t m = 0; m < methods.size() && !stop.stop_requested(); ++m) {
-        outcomes[m][i] = RunMethod(methods[m], sequences[i], seed + i);
+        outcomes[m][i] = RunOrRecall(methods[m], sequences[i], options.seed + i, options.cache);
       }
+      if (stop.stop_requested()) return;
       const std::lock_guard lock(mutex);
       if (progress) progress(++done);
     }
   };
   {
     std::vector<std::jthread> pool;
-    for (int i = 1; i < threads; ++i) pool.emplace_back(work);
+    for (int i = 1; i < options.threads; ++i) pool.emplace_back(work);
     work();
   }
   if (stop.stop_requested()) outcomes.clear();

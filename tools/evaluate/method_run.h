@@ -6,12 +6,13 @@
 #include <stop_token>
 #include <vector>
 
-#include "common/result.h"
 #include "common/symmetry_group.h"
 #include "tools/evaluate/detection_sequence.h"
 #include "tools/evaluate/fusion_methods.h"
 
 namespace vantage {
+
+class MethodCache;
 
 /// A sequence and what its object's errors are taken modulo.
 struct EvaluatedSequence {
@@ -32,14 +33,19 @@ SequenceOutcome RunMethod(const FusionMethod& method,
                           const EvaluatedSequence& evaluated,
                           uint64_t seed);
 
-/// Lets every method fuse every sequence: [method][sequence]. The same for any number of threads.
-/// Empty after a stop.
+struct MethodRunOptions {
+  uint64_t seed = 1;             ///< the i-th sequence has seed + i
+  int threads = 1;               ///< more or fewer change nothing but the time
+  MethodCache* cache = nullptr;  ///< of slow methods' outcomes; null: none
+};
+
+/// Lets every method fuse every sequence: [method][sequence]. Empty after a stop; what slow methods
+/// did until then is in the cache.
 /// @param progress is called by one thread at a time with the number of sequences done; may be
 /// empty.
 std::vector<std::vector<SequenceOutcome>> RunMethods(std::span<const FusionMethod> methods,
                                                      std::span<const EvaluatedSequence> sequences,
-                                                     uint64_t seed,
-                                                     int threads,
+                                                     const MethodRunOptions& options,
                                                      const std::stop_token& stop,
                                                      const std::function<void(int64_t)>& progress);
 

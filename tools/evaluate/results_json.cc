@@ -57,6 +57,7 @@ Json ToJson(const MethodAccuracy& accuracy) {
           {"median_difference_deg", ToJson(accuracy.median_difference_deg)},
           {"difference_of_medians_deg", ToJson(accuracy.difference_of_medians_deg)},
           {"difference_of_wrong_mode_rates", ToJson(accuracy.difference_of_wrong_mode_rates)},
+          {"difference_to_blind_deg", ToJson(accuracy.difference_to_blind_deg)},
           {"seconds_per_view", accuracy.seconds_per_view},
           {"num_without_estimate", accuracy.num_without_estimate}};
 }
@@ -89,6 +90,7 @@ std::string ResultsJson(const EvaluationResults& results) {
                      {"histogram_k", results.histogram_k},
                      {"methods", ListToJson(results.methods)},
                      {"best_ours", results.best_ours},
+                     {"best_blind", results.best_blind},
                      {"grids", ListToJson(results.grids)},
                      {"grid_angles", ToJson(results.grid_angles)},
                      {"grid_distances", ToJson(results.grid_distances)},
