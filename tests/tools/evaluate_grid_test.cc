@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "common/rng.h"
+#include "common/so3.h"
+#include "tools/evaluate/grid_statistics.h"
+#include "tools/evaluate/paper_figures.h"
+
+namespace vantage {
+namespace {
+
+struct Cells {
+  std::vector<Eigen::Vector4d> representatives;  // Of cells that have an area.
+  std::vector<double> angles_deg;                // Of all representatives from the identity.
+};
+
+Cells CellsOf(const So3Grid& grid) {
+  Cells cells;
+  for (const So3Grid::Cell cell : grid.ValidCells()) {
+    const Eigen::Quaterniond q = grid.Representative(cell);
+    cells.angles_deg.push_back(GeodesicAngle(q, Eigen::Quaterniond::Identity()) / kDegree);
+    if (grid.Area(cell) > 0.0) cells.representatives.push_back(q.coeffs());
+  }
+  return cells;
+}
+
+double NearestNeighborDeg(const std::vector<Eigen::Vector4d>& all, size_t own) {
+  double largest = 0.0;
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (i != own) largest = std::max(largest, std::abs(all[own].dot(all[i])));
+  }
+  return 2.0 * std::acos(std::min(1.0, largest)) / kDegree;
+}
+
+struct Moments {
+  double mean = 0.0;
+  double deviation = 0.0;
+};
+
+Moments MomentsOf(const std::vector<double>& values) {
+  const auto count = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+  double squares = 0.0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return {mean, std::sqrt(squares / count)};
+}
+
+int64_t Total(const BinCounts& bins) {
+  return std::accumulate(bins.counts.begin(), bins.counts.end(), int64_t{0});
+}
+
+// Bins of the same width by hand; values on the edge of two may fall into either.
+void ExpectBins(const BinCounts& bins, const std::vector<double>& values) {
+  EXPECT_EQ(Total(bins), static_cast<int64_t>(values.size()));
+  int64_t below = 0;
+  for (size_t bin = 0; bin + 1 < bins.counts.size(); ++bin) {
+    below += bins.counts[bin];
+    const double edge = bins.bin_width_deg * static_cast<double>(bin + 1);
+    const auto surely = [&](double margin) {
+      return std::count_if(
+          values.begin(), values.end(), [&](double value) { return value < edge + margin; });
+    };
+    EXPECT_GE(below, surely(-1e-4)) << bin;
+    EXPECT_LE(below, surely(1e-4)) << bin;
+  }
+}
+
+TEST(GridStatistics, EqualComparingAllPairs) {
+  for (const int k : {4, 8}) {
+    const GridMeasurement measured = MeasureGrid(k);
+    const Cells cells = CellsOf(So3Grid(k));
+    std::vector<double> distances;
+    for (size_t i = 0; i < cells.representatives.size(); ++i) {
+      distances.push_back(NearestNeighborDeg(cells.representatives, i));
+    }
+    const Moments expected = MomentsOf(distances);
+    EXPECT_EQ(measured.statistics.k, k);
+    EXPECT_NEAR(measured.statistics.mean_deg, expected.mean, 1e-4);
+    EXPECT_NEAR(measured.statistics.deviation_deg, expected.deviation, 1e-4);
+    ExpectBins(measured.distances, distances);
+    ExpectBins(measured.angles, cells.angles_deg);
+  }
+}
+
+TEST(GridStatistics, EqualComparingSomeWithAll) {
+  const GridMeasurement measured = MeasureGrid(16);
+  const Cells cells = CellsOf(So3Grid(16));
+  ExpectBins(measured.angles, cells.angles_deg);
+  Rng rng(1);
+  std::vector<double> distances;
+  for (int i = 0; i < 1500; ++i) {
+    const uint32_t own = rng.Below(static_cast<uint32_t>(cells.representatives.size()));
+    distances.push_back(NearestNeighborDeg(cells.representatives, own));
+  }
+  const Moments sampled = MomentsOf(distances);
+  const double standard_error =
+      sampled.deviation / std::sqrt(static_cast<double>(distances.size()));
+  EXPECT_NEAR(measured.statistics.mean_deg, sampled.mean, 4.0 * standard_error);
+  EXPECT_NEAR(measured.statistics.deviation_deg, sampled.deviation, 4.0 * standard_error);
+}
+
+TEST(GridStatistics, AreThoseOfThePapersTable) {
+  ASSERT_GE(PaperGrids().size(), 3U);
+  for (const PaperGrid& paper : PaperGrids()) {
+    const GridStatistics measured = MeasureGrid(paper.k).statistics;
+    EXPECT_EQ(measured.num_cells, paper.num_cells) << paper.k;
+    EXPECT_NEAR(measured.mean_deg, paper.mean_deg, 0.05) << paper.k;
+    EXPECT_NEAR(measured.deviation_deg, paper.deviation_deg, 0.05) << paper.k;
+    EXPECT_LT(measured.megabytes, paper.megabytes) << paper.k;
+    EXPECT_GT(measured.megabytes, 4e-6 * static_cast<double>(paper.num_cells)) << paper.k;
+  }
+}
+
+// A representative outside of its own cell would be its own neighbor, at no distance.
+TEST(GridStatistics, NoCellIsItsOwnNeighbor) {
+  for (const int k : {2, 3, 5, 13, 32}) {
+    const GridMeasurement measured = MeasureGrid(k);
+    EXPECT_EQ(measured.distances.counts.front(), 0) << k;
+    EXPECT_GT(measured.statistics.mean_deg, 60.0 / k) << k;
+  }
+}
+
+}  // namespace
+}  // namespace vantage
