@@ -156,11 +156,11 @@ Result<std::string> TimeFigure(const EvaluationResults& results) {
                    MethodColor(results.methods[i]) + 1);
   }
   if (!std::isfinite(range.low)) return std::string();
-  const int height = 70 + 25 * static_cast<int>(results.methods.size());
+  const int height = 90 + 25 * static_cast<int>(results.methods.size());
   const double left = std::pow(10.0, std::floor(std::log10(range.low) - 0.05));
   std::string script =
       FigureHead(1120, height) + "set border 1 lc rgb '#888888'\n$data << END\n" + data + "END\n";
-  script += PlacePanel({0.205, 0.97, 58.0 / height, 1.0 - 10.0 / height}) +
+  script += PlacePanel({0.205, 0.97, 78.0 / height, 1.0 - 10.0 / height}) +
             MethodRows(results, true) + LogarithmicRange('x', left, range.high);
   script += Format(
       "set xlabel 'milliseconds per view, one core'\n"
