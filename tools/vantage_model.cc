@@ -8,6 +8,7 @@
 
 #include "common/format.h"
 #include "common/result.h"
+#include "fusion/measured_symmetry.h"
 #include "nodes/command_line.h"
 #include "perception/model/mesh_check.h"
 #include "perception/model/mesh_import.h"
@@ -25,6 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTableName = "ppf.bin";
+constexpr const char* kMeasured = "measured";
 
 struct Arguments {
   std::vector<std::string> names;
@@ -110,13 +112,20 @@ Result<void> Build(const Arguments& arguments) {
                         arguments.output.c_str(),
                         id.c_str())};
   }
-  const Result<SymmetryGroup> symmetry = ParseSymmetry(arguments.symmetry);
+  const bool is_measured = arguments.symmetry == kMeasured;
+  Result<SymmetryGroup> symmetry =
+      is_measured ? SymmetryGroup::None() : ParseSymmetry(arguments.symmetry);
   if (!symmetry) return symmetry.error();
   Result<TriangleMesh> mesh = ImportMesh(file, arguments.unit == "mm" ? 1e-3 : 1.0);
   if (!mesh) return mesh.error();
   const Result<MeshMending> mending = CheckAndMendMesh(&*mesh);
   if (!mending) {
     return Error{mending.error().code, file.string() + ": " + mending.error().message};
+  }
+  if (is_measured) {
+    symmetry = MeasureSymmetry(*mesh);
+    if (!symmetry)
+      return Error{symmetry.error().code, file.string() + ": " + symmetry.error().message};
   }
   const std::string source = file.filename().string() + ", unit " + arguments.unit;
   const Result<ObjectModel> model =
@@ -193,7 +202,8 @@ int Run(int argc, char** argv) {
       "--id", arguments.id, "the model's name; that of the output folder when left out");
   build->add_option("--symmetry",
                     arguments.symmetry,
-                    "none, cyclic:2:z, dihedral:2:z:x, continuous:z or continuous-flip:z");
+                    "none, cyclic:2:z, dihedral:2:z:x, continuous:z or continuous-flip:z; "
+                    "measured: found from the mesh");
   build->add_option("--output", arguments.output, "the model folder to make")->required();
   for (CLI::App* command : {generate, build}) {
     command->add_flag("!--no-tables", arguments.tables, "leave the matching tables out");

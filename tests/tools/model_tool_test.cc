@@ -65,6 +65,11 @@ TEST_F(ModelTool, BuildsFromAMeshInItsUnit) {
   EXPECT_NEAR(model->diameter, 0.06 * std::sqrt(2.0), 0.001);
   EXPECT_EQ(model->symmetry.elements.size(), 3U);
   EXPECT_EQ(model->source, "part.obj, unit mm");
+  const ProgramOutput measured =
+      Run("build part.obj --unit mm --symmetry measured --output models/wedge");
+  ASSERT_EQ(measured.exit_code, 0) << measured.text;
+  EXPECT_NE(measured.text.find("3-fold about (0.5774, 0.5774, 0.5774)"), std::string::npos)
+      << measured.text;
   // Again in the same place.
   EXPECT_EQ(Run("build part.obj --unit mm --output models/wedge").exit_code, 0);
   EXPECT_EQ(LoadObjectModel(scratch() / "models" / "wedge")->symmetry.elements.size(), 1U);
