@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -9,6 +10,12 @@
 #include "common/format.h"
 
 namespace vantage {
+namespace {
+
+// Cells of less than e^-16 of the highest posterior density belong to no cluster.
+constexpr double kDepth = 16.0;
+
+}  // namespace
 
 Result<void> BayesianHistogramParameters::Validate() const {
   if (!(sigma > 0.0 && sigma <= std::numbers::pi)) {
@@ -76,26 +83,52 @@ void BayesianHistogram::Spread(double sigma) {
   log_normalizer_.reset();
 }
 
-std::vector<OrientationPeak> BayesianHistogram::Peaks() const {
-  // Cells below e^-16 of the highest ratio belong to no cluster unless the prior favors them so.
-  constexpr double kDepth = 16.0;
+// Cells that a mode may hold: touched ones, and those that the prior favors.
+std::vector<So3Grid::Neighbor> BayesianHistogram::ModeCells() const {
   const So3Grid& grid = log_ratios_.grid();
   const double largest = static_cast<double>(log_ratios_.Largest());
-  CellWeights posterior(grid);
-  double mass = 0.0;
-  if (largest > 0.0) {
+  std::vector<So3Grid::Neighbor> found;
+  if (prior_.is_uniform()) {
+    if (largest <= 0.0) return found;
     const auto least = static_cast<float>(std::max(largest - kDepth, 0.1 * largest));
     std::vector<So3Grid::Cell> cell;
     for (const CellWeights::Placed& placed : log_ratios_.AtLeast(least)) {
-      const double density =
-          std::exp(static_cast<double>(placed.weight) - largest) * prior_.Density(placed.ordinal);
       grid.CellsAt(placed.ordinal, 1, &cell);
-      posterior.Add(placed.ordinal, static_cast<float>(density));
-      mass += density * grid.Area(cell.front());
+      found.push_back({cell.front(), placed.ordinal});
     }
+    return found;
+  }
+  for (const CellWeights::Entry& entry : log_ratios_.Entries()) {
+    found.push_back({entry.cell, grid.Ordinal(entry.cell)});
+  }
+  for (const CellWeights::Entry& entry : prior_.AboveElsewhere()) {
+    const int32_t ordinal = grid.Ordinal(entry.cell);
+    if (log_ratios_.At(ordinal) == 0.0F) found.push_back({entry.cell, ordinal});
+  }
+  return found;
+}
+
+std::vector<OrientationPeak> BayesianHistogram::Peaks() const {
+  const So3Grid& grid = log_ratios_.grid();
+  const std::vector<So3Grid::Neighbor> cells = ModeCells();
+  const auto log_density = [this](int32_t ordinal) {  // Minus infinity where it is excluded.
+    return static_cast<double>(log_ratios_.At(ordinal)) + std::log(prior_.Density(ordinal));
+  };
+  double highest = -std::numeric_limits<double>::infinity();
+  for (const So3Grid::Neighbor& cell : cells) {
+    highest = std::max(highest, log_density(cell.ordinal));
+  }
+  if (!std::isfinite(highest)) return {};
+  CellWeights posterior(grid);
+  double mass = 0.0;
+  for (const So3Grid::Neighbor& cell : cells) {
+    const double height = log_density(cell.ordinal) - highest;
+    if (height < -kDepth) continue;
+    posterior.Add(cell.ordinal, static_cast<float>(std::exp(height)));
+    mass += std::exp(height) * grid.Area(cell.cell);
   }
   std::vector<OrientationPeak> peaks = FindPeaks(posterior, mass, parameters_.peaks);
-  const double share = mass * std::exp(largest - LogNormalizer());
+  const double share = mass * std::exp(highest - LogNormalizer());
   for (OrientationPeak& peak : peaks) peak.weight *= share;
   return peaks;
 }

@@ -53,6 +53,7 @@ class BayesianHistogram : public OrientationFusion {
 
  private:
   [[nodiscard]] double LogNormalizer() const;
+  [[nodiscard]] std::vector<So3Grid::Neighbor> ModeCells() const;
   void Spread(double sigma);
 
   OrientationPrior prior_;

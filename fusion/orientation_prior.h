@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "common/result.h"
 #include "fusion/cell_weights.h"
@@ -47,6 +48,10 @@ class OrientationPrior {
   }
   /// Density of the cells that are not listed or lie far from all poses.
   [[nodiscard]] double density_elsewhere() const { return elsewhere_; }
+  /// The cells of another density, ascending, and how much theirs is above it.
+  [[nodiscard]] std::vector<CellWeights::Entry> AboveElsewhere() const {
+    return cells_ == nullptr ? std::vector<CellWeights::Entry>{} : cells_->Entries();
+  }
 
  private:
   static Result<OrientationPrior> Normalized(CellWeights cells, double mass, double elsewhere);

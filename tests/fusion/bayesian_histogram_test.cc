@@ -27,8 +27,9 @@ class DensePosterior {
     for (const So3Grid::Cell cell : cells) {
       representatives_.push_back(grid.Representative(cell));
       areas_.push_back(grid.Area(cell));
-      densities_.push_back(prior.Density(grid.Ordinal(cell)));
+      prior_.push_back(prior.Density(grid.Ordinal(cell)));
     }
+    densities_ = prior_;
   }
 
   // Bayes' rule with a truncated Gaussian and a uniform share of outliers as likelihood.
@@ -42,11 +43,20 @@ class DensePosterior {
     for (double& density : densities_) density /= sum;
   }
 
-  // Every cell's mass above `background` spread by a Gaussian; the background stays as it is.
-  void Move(double sigma, double background) {
-    std::vector<double> moved(densities_.size(), background);
+  // What an untouched cell has of its prior density.
+  [[nodiscard]] double Untouched() const {
+    double lowest = std::numeric_limits<double>::infinity();
+    for (size_t i = 0; i < prior_.size(); ++i) {
+      lowest = std::min(lowest, densities_[i] / prior_[i]);
+    }
+    return lowest;
+  }
+  // Every cell's mass above `untouched` of the prior spread by a Gaussian; the prior stays.
+  void Move(double sigma, double untouched) {
+    std::vector<double> moved(densities_.size());
+    for (size_t i = 0; i < moved.size(); ++i) moved[i] = untouched * prior_[i];
     for (size_t i = 0; i < densities_.size(); ++i) {
-      const double mass = (densities_[i] - background) * areas_[i];
+      const double mass = (densities_[i] - untouched * prior_[i]) * areas_[i];
       if (std::abs(mass) < 1e-17) continue;  // No more than rounding.
       const std::vector<double> gaussian = Gaussian(representatives_[i], sigma);
       for (size_t j = 0; j < moved.size(); ++j) moved[j] += mass * gaussian[j];
@@ -74,6 +84,7 @@ class DensePosterior {
 
   std::vector<Eigen::Quaterniond> representatives_;
   std::vector<double> areas_;
+  std::vector<double> prior_;
   std::vector<double> densities_;
 };
 
@@ -116,8 +127,31 @@ TEST(BayesianHistogram, BeforeTheFirstViewItIsThePrior) {
   for (int32_t i = 0; i < grid.num_cells(); ++i) {
     ASSERT_NEAR(posterior.Density(i), prior->Density(i), 1e-12);
   }
-  EXPECT_TRUE(posterior.Peaks().empty());
+  ASSERT_EQ(posterior.Peaks().size(), 1U);
+  EXPECT_LT(GeodesicAngle(posterior.Peaks().front().q, poses.front().q_world_object), 0.1);
   EXPECT_FALSE(posterior.Estimate().ok());
+  EXPECT_TRUE(BayesianHistogram(grid, {}).Peaks().empty());
+}
+
+// One detection where the object hardly ever is: an outlier is likelier than that. A second one
+// makes up for it.
+TEST(BayesianHistogram, AStrongPriorOutweighsOneDetection) {
+  const So3Grid grid(16);
+  Rng rng(9);
+  for (int trial = 0; trial < 5; ++trial) {
+    const Eigen::Quaterniond likely = rng.Rotation();
+    const Eigen::Quaterniond rare = likely * ExpSo3(rng.Uniform(1.0, 3.0) * rng.UnitVector());
+    const std::vector<LikelyPose> poses = {{likely, 5.0 * kDegree, 1.0}};
+    const auto prior = OrientationPrior::AroundPoses(grid, poses, 1e-6);
+    ASSERT_TRUE(prior.ok());
+    BayesianHistogram posterior(grid, {}, *prior);
+    for (const Eigen::Quaterniond& expected : {likely, rare}) {
+      ASSERT_TRUE(posterior.Add({rare, 0.0}).ok());
+      ASSERT_TRUE(posterior.Estimate().ok());
+      EXPECT_LT(GeodesicAngle(*posterior.Estimate(), expected), 4.0 * kDegree);
+      EXPECT_GT(MassWithin(grid, posterior, expected, 20.0 * kDegree), 0.5);
+    }
+  }
 }
 
 TEST(BayesianHistogram, EqualsBayesRuleOnAllCells) {
@@ -158,7 +192,9 @@ TEST(BayesianHistogram, APriorOfZeroStaysZero) {
   BayesianHistogram posterior(grid, {.sigma = 0.2}, *prior);
   ASSERT_TRUE(posterior.Add({excluded, 0.0}).ok());
   EXPECT_EQ(MassWithin(grid, posterior, excluded, 0.6), 0.0);
-  EXPECT_FALSE(posterior.Estimate().ok());
+  // It can only have been an outlier.
+  ASSERT_TRUE(posterior.Estimate().ok());
+  EXPECT_LT(GeodesicAngle(*posterior.Estimate(), possible), 10.0 * kDegree);
   posterior.Move(0.3);
   EXPECT_EQ(MassWithin(grid, posterior, excluded, 0.6), 0.0);
   ASSERT_TRUE(posterior.Add({possible, 0.0}).ok());
@@ -206,15 +242,12 @@ TEST(BayesianHistogram, MotionIsAConvolution) {
   };
   for (int i = 0; i < 2; ++i) see(Seen(truth, 5.0 * kDegree, rng));
   see({rng.Rotation(), 0.0});
-  const auto lowest = [&] {
-    return *std::min_element(expected.densities().begin(), expected.densities().end());
-  };
   all_spread = expected;
-  expected.Move(kMotion, lowest());
+  expected.Move(kMotion, expected.Untouched());
   posterior.Move(kMotion);
   ExpectSame(posterior, expected.densities());
   // The background spread too differs by how unevenly the grid spreads a uniform density.
-  const double background = lowest();
+  const double background = expected.Untouched();
   all_spread.Move(kMotion, 0.0);
   for (size_t i = 0; i < expected.densities().size(); ++i) {
     ASSERT_NEAR(all_spread.densities()[i], expected.densities()[i], 0.2 * background);
@@ -222,9 +255,27 @@ TEST(BayesianHistogram, MotionIsAConvolution) {
   // And on from there.
   see(Seen(truth, 5.0 * kDegree, rng));
   ExpectSame(posterior, expected.densities());
-  expected.Move(kMotion, lowest());
+  expected.Move(kMotion, expected.Untouched());
   posterior.Move(kMotion);
   ExpectSame(posterior, expected.densities());
+}
+
+TEST(BayesianHistogram, MotionLeadsToThePrior) {
+  const So3Grid grid(8);
+  Rng rng(8);
+  const Eigen::Quaterniond truth = rng.Rotation();
+  const std::vector<LikelyPose> poses = {{truth * ExpSo3({0.4, 0.0, 0.0}), 0.4, 1.0}};
+  const auto prior = OrientationPrior::AroundPoses(grid, poses, 0.3);
+  ASSERT_TRUE(prior.ok());
+  BayesianHistogram posterior(grid, {.sigma = 0.2, .outlier_share = 0.2}, *prior);
+  DensePosterior expected(grid, *prior);
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(posterior.Add({truth, 0.0}).ok());
+    expected.Update(truth, 0.2, 0.2);
+    expected.Move(0.3, expected.Untouched());
+    posterior.Move(0.3);
+    ExpectSame(posterior, expected.densities());
+  }
 }
 
 TEST(BayesianHistogram, MotionForgets) {

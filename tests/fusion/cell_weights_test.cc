@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "common/rng.h"
@@ -128,6 +129,13 @@ TEST(CellWeights, ACopyIsItsOwn) {
   EXPECT_EQ(weights.At(77), 1.0F);
   EXPECT_EQ(weights.At(5000), 0.0F);
   EXPECT_EQ(copy.At(77), 2.0F);
+  copy = weights;
+  EXPECT_EQ(copy.Entries(), weights.Entries());
+  copy.Add(78, 3.0F);
+  EXPECT_EQ(weights.Largest(), 1.0F);
+  const CellWeights moved = std::move(copy);
+  EXPECT_EQ(moved.At(78), 3.0F);
+  EXPECT_EQ(moved.At(77), 1.0F);
 }
 
 TEST(CellWeights, WhatIsClearedKeepsItsStorage) {

@@ -166,6 +166,23 @@ TEST(OrientationFilter, BadViewsChangeNothing) {
   }
 }
 
+TEST(OrientationFilter, WithoutViewsItIsAsNew) {
+  Rng rng(11);
+  const So3Grid grid(16);
+  OrientationFilter filter(grid, {});
+  const std::vector<OrientationView> views = Views(rng.Rotation(), 5, rng);
+  filter.Fuse(views);
+  filter.Fuse({});
+  EXPECT_FALSE(filter.Estimate().ok());
+  EXPECT_TRUE(filter.peaks().empty());
+  EXPECT_TRUE(filter.histogram().empty());
+  EXPECT_FALSE(filter.converged());
+  filter.Fuse(views);
+  OrientationFilter fresh(grid, {});
+  fresh.Fuse(views);
+  ExpectSame(filter, fresh);
+}
+
 TEST(OrientationFilter, ViewsWithoutWeightDoNotConverge) {
   const So3Grid grid(16);
   OrientationFilter filter(grid, {});

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <vector>
 
@@ -114,6 +115,40 @@ TEST(Peaks, AShoulderIsNoMode) {
   histogram.Add(q.normalized(), kSigma, 1.0);
   histogram.Add(q.normalized() * ExpSo3(Eigen::Vector3d(1.2 * kSigma, 0.0, 0.0)), kSigma, 0.6);
   EXPECT_EQ(FindPeaks(histogram, {}).size(), 1U);
+}
+
+// Of the cells that are as high as w_min of the highest one, in the world's axes.
+TEST(Peaks, CovarianceIsThatOfTheClustersCells) {
+  const So3Grid grid(32);
+  Rng rng(7);
+  for (int trial = 0; trial < 10; ++trial) {
+    const Eigen::Quaterniond truth = rng.Rotation();
+    // A ridge along one axis of the object, whose direction the covariance must show.
+    const Eigen::Vector3d axis = rng.UnitVector();
+    OrientationHistogram histogram(grid);
+    for (int i = -6; i <= 6; ++i) {
+      histogram.Add(truth * ExpSo3(i * 1.5 * kDegree * axis), kSigma, 1.0);
+    }
+    const OrientationPeak peak = FindPeaks(histogram, {.w_min = 0.5}).front();
+    const CellWeights& weights = histogram.weights();
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    double mass = 0.0;
+    for (const CellWeights::Entry& entry : weights.Entries()) {
+      if (entry.weight < 0.5F * weights.Largest()) continue;
+      const Eigen::AngleAxisd difference(grid.Representative(entry.cell).toRotationMatrix() *
+                                         peak.q.toRotationMatrix().transpose());
+      const Eigen::Vector3d r = difference.angle() * difference.axis();
+      const double share = static_cast<double>(entry.weight) * grid.Area(entry.cell);
+      covariance += share * r * r.transpose();
+      mass += share;
+    }
+    covariance /= mass;
+    EXPECT_LT((peak.covariance - covariance).norm(), 1e-6 * covariance.norm());
+    EXPECT_NEAR(peak.weight, mass / histogram.Mass(), 1e-6);
+    EXPECT_NEAR(peak.spread, std::sqrt(covariance.trace()), 1e-6);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(peak.covariance);
+    EXPECT_GT(std::abs(solver.eigenvectors().col(2).dot(truth * axis)), std::cos(20.0 * kDegree));
+  }
 }
 
 TEST(Peaks, ParametersAreChecked) {
