@@ -51,7 +51,8 @@ class OrientationFilter : public OrientationFusion {
                     const OrientationFilterParameters& parameters,
                     OrientationKnowledge knowledge = {});
 
-  /// Fuses one more view, at the cost of an update.
+  /// Fuses one more view, at the cost of an update; with sigma_motion > 0, which widens what was
+  /// seen before, at that of all views so far.
   Result<void> Add(const OrientationView& view) override;
   /// Fuses all views of the object, in their order. Steps over views that are as in the last call
   /// are not repeated: a new last view costs one update, a changed one those from there on.
