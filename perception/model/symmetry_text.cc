@@ -17,6 +17,7 @@ using Kind = SymmetryDescription::Kind;
 
 constexpr int kLargestOrder = 1000;
 constexpr double kSameElement = 1e-6;  // rad
+constexpr double kSameAxis = 1e-6;     // Sine of the angle between them.
 
 // True when both list the same rotations, whatever the order.
 bool SameElements(const SymmetryGroup& a, const SymmetryGroup& b) {
@@ -31,6 +32,36 @@ bool SameElements(const SymmetryGroup& a, const SymmetryGroup& b) {
 
 // The axis of some element that is not the identity.
 Eigen::Vector3d AxisOf(const Eigen::Quaterniond& q) { return Canonical(q).vec().normalized(); }
+
+// The axis about which a finite group of more than one element may be cyclic or dihedral: the one
+// it names, or of its smallest turn.
+Eigen::Vector3d MainAxis(const SymmetryGroup& group) {
+  const auto turn = [](const Eigen::Quaterniond& q) { return std::abs(q.w()); };
+  const auto is_about_axis = [&](const Eigen::Quaterniond& q) {
+    return AxisOf(q).cross(group.axis).norm() < kSameAxis;
+  };
+  const auto smallest = std::max_element(
+      group.elements.begin() + 1,
+      group.elements.end(),
+      [&](const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+        return turn(a) + 1e-6 * is_about_axis(a) < turn(b) + 1e-6 * is_about_axis(b);
+      });
+  if (is_about_axis(*smallest)) return group.axis;
+  // Of both directions the one whose largest coordinate is positive.
+  const Eigen::Vector3d axis = AxisOf(*smallest);
+  Eigen::Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  return axis[largest] < 0.0 ? Eigen::Vector3d(-axis) : axis;
+}
+
+// Axis of a half turn perpendicular to another axis; z where there is none.
+Eigen::Vector3d HalfTurnAxis(const SymmetryGroup& group, const Eigen::Vector3d& axis) {
+  for (const Eigen::Quaterniond& element : group.elements) {
+    if (std::abs(element.w()) > kSameAxis) continue;
+    if (std::abs(AxisOf(element).dot(axis)) < kSameAxis) return AxisOf(element);
+  }
+  return Eigen::Vector3d::UnitZ();
+}
 
 Error Unexpected(const std::string& text) {
   return Error{ErrorCode::kInvalidArgument,
@@ -100,18 +131,20 @@ SymmetryDescription DescribeSymmetry(const SymmetryGroup& group) {
   }
   description.order = static_cast<int>(size);
   description.kind = Kind::kCyclic;
+  description.axis = MainAxis(group);
   if (size <= kLargestOrder) {
-    if (SameElements(SymmetryGroup::Cyclic(description.order, group.axis), group)) {
+    if (SameElements(SymmetryGroup::Cyclic(description.order, description.axis), group)) {
       return description;
     }
   }
   if (size % 2 == 0) {
     description.kind = Kind::kDihedral;
     description.order = static_cast<int>(size / 2);
-    description.half_turn_axis = AxisOf(group.elements[size / 2]);
-    if (SameElements(
-            SymmetryGroup::Dihedral(description.order, group.axis, description.half_turn_axis),
-            group)) {
+    description.half_turn_axis = HalfTurnAxis(group, description.axis);
+    if (std::abs(description.half_turn_axis.dot(description.axis)) < kSameAxis &&
+        SameElements(SymmetryGroup::Dihedral(
+                         description.order, description.axis, description.half_turn_axis),
+                     group)) {
       return description;
     }
   }
