@@ -333,7 +333,9 @@ int Main(int argc, char** argv) {
   app.add_option("--views", arguments.views, "Views of a random sequence")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--seed", arguments.seed, "Of all that is random")->capture_default_str();
+  app.add_option("--seed", arguments.seed, "Of all that is random")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--threads", arguments.threads, "They change the time alone; 0: one a processor")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
