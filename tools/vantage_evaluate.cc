@@ -48,6 +48,7 @@ constexpr uint64_t kTuningSeed = 1000;  // Added to the evaluation's.
 struct Arguments {
   bool paper = false;
   bool tune = false;
+  std::vector<std::string> methods;
   std::string models = "models";
   std::vector<std::string> use;
   std::string output = "out/evaluate";
@@ -222,11 +223,34 @@ Result<void> PrepareOutput(const fs::path& folder) {
   return {};
 }
 
+/// Those of all methods that were named; all where none was.
+Result<std::vector<TunableMethod>> MethodsToTune(const So3Grid& grid,
+                                                 const std::vector<std::string>& names) {
+  std::vector<TunableMethod> all = TunableMethods(grid);
+  if (names.empty()) return all;
+  std::vector<TunableMethod> named;
+  for (const std::string& name : names) {
+    const auto found = std::find_if(all.begin(), all.end(), [&](const TunableMethod& method) {
+      return method.info.id == name;
+    });
+    if (found == all.end()) {
+      std::string ids;
+      for (const TunableMethod& method : all) ids += " " + method.info.id;
+      return Error{ErrorCode::kNotFound,
+                   Format("--method %s, expected one of%s", name.c_str(), ids.c_str())};
+    }
+    named.push_back(*found);
+  }
+  return named;
+}
+
 /// @return the exit code.
 Result<int> Tune(const Arguments& arguments) {
   const Interrupt interrupt;
   const Result<So3Grid> grid = So3Grid::Create(arguments.k);
   if (!grid) return grid.error();
+  const Result<std::vector<TunableMethod>> methods = MethodsToTune(*grid, arguments.methods);
+  if (!methods) return methods.error();
   const Result<Input> input = MakeInput(arguments, interrupt.token());
   if (!input) return input.error();
   if (!input->run.is_complete) return kInterrupted;
@@ -237,7 +261,7 @@ Result<int> Tune(const Arguments& arguments) {
   TuningParameters parameters;
   parameters.run = {arguments.seed + kTuningSeed, arguments.threads, input->cache.get()};
   std::vector<TuningTrial> trials;
-  for (const TunableMethod& method : TunableMethods(*grid)) {
+  for (const TunableMethod& method : *methods) {
     Progress bar("sequences fused by " + method.info.id);
     const std::vector<TuningTrial> tried = TuneMethod(
         method, sequences, parameters, interrupt.token(), [&bar](int64_t done, int64_t total) {
@@ -323,6 +347,7 @@ int Main(int argc, char** argv) {
                  arguments.tune,
                  "Tries parameters of every method on sequences of the seed plus 1000");
   work->require_option(1);
+  app.add_option("--method", arguments.methods, "Methods to tune, by id; all of them by default");
   app.add_option("--models", arguments.models, "Folder with one folder a model")
       ->capture_default_str();
   app.add_option("--use", arguments.use, "Models of that folder; all of them by default");

@@ -34,7 +34,7 @@ TunableMethod Mean() {
 TunableMethod Knn() {
   return {{"knn", "KNN clustering", "", false, false},
           false,
-          {{"neighbors within", "deg", 10.0, {0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 10, 15, 20}}},
+          {{"neighbors within", "deg", 0.5, {0.5, 0.7, 1, 1.5, 2, 3, 4, 6, 10, 15, 20}}},
           [](const Values& values) -> FusionMaker {
             KnnClusteringParameters parameters;
             parameters.max_distance = values[0] * kDegree;
@@ -47,9 +47,9 @@ TunableMethod Knn() {
 TunableMethod Particles() {
   return {{kParticleFilterId, "Particle filter", "548496 particles", false, false},
           true,
-          {{"sigma", "deg", 4.0, {0.25, 0.5, 1, 2, 4}},
-           {"jitter", "sigma", 0.125, {0.06, 0.125, 0.25, 0.5}},
-           {"outliers", "", 0.1, {0.02, 0.05, 0.1, 0.2, 0.4}}},
+          {{"sigma", "deg", 2.0, {0.25, 0.5, 1, 2, 4}},
+           {"jitter", "sigma", 0.25, {0.06, 0.125, 0.25, 0.5}},
+           {"outliers", "", 0.05, {0.02, 0.05, 0.1, 0.2, 0.4}}},
           [](const Values& values) -> FusionMaker {
             ParticleFilterParameters parameters;
             parameters.num_particles = 548496;
@@ -67,8 +67,8 @@ TunableMethod Particles() {
 TunableMethod BinghamMixtures() {
   return {{"bmm_mr", "BMM M+R", "", false, false},
           true,
-          {{"sigma", "deg", 4.0, {0.1, 0.15, 0.25, 0.35, 0.5, 0.7, 1, 2, 4}},
-           {"uniform component", "", 0.05, {0.01, 0.02, 0.05, 0.1, 0.2, 0.4}}},
+          {{"sigma", "deg", 1.0, {0.1, 0.15, 0.25, 0.35, 0.5, 0.7, 1, 2, 4}},
+           {"uniform component", "", 0.4, {0.01, 0.02, 0.05, 0.1, 0.2, 0.4}}},
           [](const Values& values) -> FusionMaker {
             BinghamMixtureParameters parameters;
             parameters.sigma = values[0] * kDegree;
@@ -82,9 +82,9 @@ TunableMethod BinghamMixtures() {
 TunableMethod BinghamParticles() {
   return {{"bmm_smc", "BMM SMC", "100000 samples", false, false},
           true,
-          {{"sigma", "deg", 4.0, {0.2, 0.35, 0.5, 0.7, 1, 2, 4}},
+          {{"sigma", "deg", 0.7, {0.2, 0.35, 0.5, 0.7, 1, 2, 4}},
            {"jitter", "sigma", 0.4, {0.1, 0.2, 0.4, 0.8}},
-           {"uniform component", "", 0.1, {0.02, 0.05, 0.1, 0.2, 0.4}}},
+           {"uniform component", "", 0.02, {0.02, 0.05, 0.1, 0.2, 0.4}}},
           [](const Values& values) -> FusionMaker {
             BinghamSmcParameters parameters;
             parameters.num_samples = 100000;
@@ -164,14 +164,14 @@ void AppendHistograms(const So3Grid& grid, std::vector<TunableMethod>* methods) 
                                }));
   methods->push_back(Histogram(grid,
                                {"cw_clustering", "CW clustering", FinalOrientation::kCwClustering},
-                               {SigmaCw(4.0)},
+                               {SigmaCw(12.0)},
                                [](const Values& values, OrientationFilterParameters* parameters) {
                                  SetSigmaCw(values[0], parameters);
                                }));
   methods->push_back(
       Histogram(grid,
                 {"cw_vw_clustering", "CW+VW clustering", FinalOrientation::kCwVwClustering},
-                {SigmaCw(4.0), SigmaVw(6.0)},
+                {SigmaCw(12.0), SigmaVw(0.8)},
                 [](const Values& values, OrientationFilterParameters* parameters) {
                   SetSigmaCw(values[0], parameters);
                   SetSigmaVw(values[1], parameters);
@@ -181,8 +181,8 @@ void AppendHistograms(const So3Grid& grid, std::vector<TunableMethod>* methods) 
 TunableMethod Bayesian(const So3Grid& grid) {
   return {{"bayesian", "Bayesian histogram", Format("k = %d", grid.k()), true, true},
           false,
-          {{"sigma", "deg", 4.0, {1, 1.5, 2, 3, 4, 6, 8}},
-           {"outliers", "", 0.05, {0.02, 0.05, 0.1, 0.2, 0.4}}},
+          {{"sigma", "deg", 8.0, {1, 1.5, 2, 3, 4, 6, 8}},
+           {"outliers", "", 0.4, {0.02, 0.05, 0.1, 0.2, 0.4}}},
           [&grid](const Values& values) -> FusionMaker {
             BayesianHistogramParameters parameters;
             parameters.sigma = values[0] * kDegree;
@@ -217,20 +217,20 @@ void AppendPastPaper(const So3Grid& grid, std::vector<TunableMethod>* methods) {
   methods->push_back(Histogram(
       grid,
       {"density_mode_fixed", "Density mode, fixed width", FinalOrientation::kDensityMode, true},
-      {{"kernels", "deg", 4.0, {0.25, 0.35, 0.5, 0.7, 1, 2, 4}}},
+      {{"kernels", "deg", 1.0, {0.25, 0.35, 0.5, 0.7, 1, 2, 4}}},
       [](const Values& values, OrientationFilterParameters* parameters) {
         parameters->mode.bandwidth = 0.0;
         parameters->mode.sigma = values[0] * kDegree;
         parameters->mode.smallest_sigma = parameters->mode.sigma;
       }));
   methods->push_back(DensityModeOf(
-      grid, {kBestBlindId, "Density mode", FinalOrientation::kDensityMode, true}, 3.0, 0.1, 4.0));
+      grid, {kBestBlindId, "Density mode", FinalOrientation::kDensityMode, true}, 6.0, 0.01, 4.0));
   methods->push_back(DensityModeOf(
       grid,
       {kBestOursId, "Density mode, symmetry", FinalOrientation::kDensityMode, true, true},
-      3.0,
+      4.0,
       0.1,
-      4.0));
+      1.0));
 }
 
 }  // namespace
