@@ -84,7 +84,7 @@ TunableMethod BinghamParticles() {
           true,
           {{"sigma", "deg", 0.7, {0.2, 0.35, 0.5, 0.7, 1, 2, 4}},
            {"jitter", "sigma", 0.4, {0.1, 0.2, 0.4, 0.8}},
-           {"uniform component", "", 0.02, {0.02, 0.05, 0.1, 0.2, 0.4}}},
+           {"uniform component", "", 0.4, {0.02, 0.05, 0.1, 0.2, 0.4}}},
           [](const Values& values) -> FusionMaker {
             BinghamSmcParameters parameters;
             parameters.num_samples = 100000;
