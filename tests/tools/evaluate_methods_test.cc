@@ -353,8 +353,9 @@ TEST(EvaluateMethods, ABestThatIsWorseIsReported) {
 
   const auto unreliable = MissedBars(evaluation.Evaluate(
       {WrongBy("voting", constant(1.0)), WrongBy(kBestOursId, at_times_wrong)}));
-  ASSERT_EQ(unreliable.size(), 1U);
+  ASSERT_EQ(unreliable.size(), 2U);
   EXPECT_TRUE(Mentions(unreliable, "wrong-mode rate is 0.2500 lower"));
+  EXPECT_TRUE(Mentions(unreliable, "wrong-mode rate after 3 views is 0.2500 lower"));
 
   const auto better = MissedBars(
       evaluation.Evaluate({WrongBy("voting", constant(3.0)), WrongBy(kBestOursId, constant(2.0))}));

@@ -75,7 +75,7 @@ TEST(EvaluateCsv, OneLineForEachNumber) {
   expect(SweepCsv(results), 45, 4);
   expect(CircleCsv(results), 18 * 15 * 30, 5);
   expect(SequencesCsv(results), 18 * 14 * 60, 4);
-  expect(AccuracyCsv(results), 14, 4 + 6 * 3 + 2);
+  expect(AccuracyCsv(results), 14, 4 + 9 * 3 + 2);
   expect(GridCsv({}), 0, 6);
   expect(CircleCsv({}), 0, 5);
 }

@@ -16,10 +16,11 @@ std::string IntervalText(const Interval& interval, double unit, int digits) {
 }
 
 std::string Row(const MethodInfo& method, const MethodAccuracy& accuracy) {
-  return Format("%-26s %-26s %-22s %-28s %.0f\n",
+  return Format("%-26s %-26s %-22s %-22s %-28s %.0f\n",
                 method.label.c_str(),
                 IntervalText(accuracy.median_deg, 1.0, 4).c_str(),
                 IntervalText(accuracy.wrong_mode_rate, 100.0, 2).c_str(),
+                IntervalText(accuracy.early_wrong_mode_rate, 100.0, 2).c_str(),
                 IntervalText(accuracy.difference_of_medians_deg, 1.0, 4).c_str(),
                 1e6 * accuracy.seconds_per_view);
 }
@@ -37,10 +38,11 @@ std::string AccuracyText(const EvaluationResults& results) {
              num_sequences,
              results.views_per_sequence,
              results.sequences.size());
-  text += Format("%-26s %-26s %-22s %-28s %s\n",
+  text += Format("%-26s %-26s %-22s %-22s %-28s %s\n",
                  "method",
                  "median (deg)",
                  "wrong mode (%)",
+                 Format("after %d views (%%)", results.early_views).c_str(),
                  "median less the best's (deg)",
                  "us a view");
   for (size_t m = 0; m < results.accuracy.size(); ++m) {

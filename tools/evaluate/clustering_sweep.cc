@@ -85,13 +85,13 @@ ClusteringSweep SweepClustering(const So3Grid& grid,
       std::vector<double> of_pair;
       double num_wrong = 0.0;
       for (const auto& of_sequence : errors) {
-        if (std::isnan(of_sequence[i][j])) continue;
-        of_pair.push_back(of_sequence[i][j]);
-        if (of_pair.back() > wrong_mode_deg) num_wrong += 1.0;
+        // A sequence without estimate is as wrong as can be.
+        if (!(of_sequence[i][j] <= wrong_mode_deg)) num_wrong += 1.0;
+        if (!std::isnan(of_sequence[i][j])) of_pair.push_back(of_sequence[i][j]);
       }
       sweep.mean_error_deg[i][j] = Mean(of_pair);
-      if (!of_pair.empty()) {
-        sweep.wrong_mode_rate[i][j] = num_wrong / static_cast<double>(of_pair.size());
+      if (!errors.empty()) {
+        sweep.wrong_mode_rate[i][j] = num_wrong / static_cast<double>(errors.size());
       }
     }
   }

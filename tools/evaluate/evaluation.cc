@@ -57,11 +57,15 @@ CircleErrors ErrorsOnCircle(const ObjectModel& model,
 // The median after every view over the sequences that have an estimate then.
 std::vector<double> MedianByStep(std::span<const SequenceOutcome> outcomes) {
   std::vector<double> medians;
-  const size_t num_views = outcomes.empty() ? 0 : outcomes.front().symmetric_deg.size();
+  size_t num_views = 0;
+  for (const SequenceOutcome& outcome : outcomes) {
+    num_views = std::max(num_views, outcome.symmetric_deg.size());
+  }
   for (size_t view = 0; view < num_views; ++view) {
     std::vector<double> errors;
     for (const SequenceOutcome& outcome : outcomes) {
-      if (!std::isnan(outcome.symmetric_deg[view])) errors.push_back(outcome.symmetric_deg[view]);
+      const std::vector<double>& steps = outcome.symmetric_deg;
+      if (view < steps.size() && !std::isnan(steps[view])) errors.push_back(steps[view]);
     }
     medians.push_back(Median(errors));
   }
@@ -71,7 +75,8 @@ std::vector<double> MedianByStep(std::span<const SequenceOutcome> outcomes) {
 SequenceErrors ErrorsOfModel(const ObjectModel& model,
                              std::span<const DetectionSequence> sequences,
                              const Outcomes& outcomes,
-                             size_t first) {
+                             size_t first,
+                             int early_views) {
   SequenceErrors errors;
   errors.model_id = model.id;
   errors.symmetry = SymmetryText(model.symmetry);
@@ -86,10 +91,15 @@ SequenceErrors ErrorsOfModel(const ObjectModel& model,
   for (const auto& of_method : outcomes) {
     const std::span<const SequenceOutcome> of_model(of_method.data() + first, sequences.size());
     std::vector<double> final_deg;
+    std::vector<double> early_deg;
     for (const SequenceOutcome& outcome : of_model) {
-      final_deg.push_back(outcome.symmetric_deg.empty() ? kNone : outcome.symmetric_deg.back());
+      const std::vector<double>& steps = outcome.symmetric_deg;
+      final_deg.push_back(steps.empty() ? kNone : steps.back());
+      const size_t early = std::min(static_cast<size_t>(early_views), steps.size());
+      early_deg.push_back(early == 0 ? kNone : steps[early - 1]);
     }
     errors.final_deg.push_back(std::move(final_deg));
+    errors.early_deg.push_back(std::move(early_deg));
     errors.step_median_deg.push_back(MedianByStep(of_model));
   }
   return errors;
@@ -99,6 +109,7 @@ SequenceErrors ErrorsOfModel(const ObjectModel& model,
 struct Sample {
   std::vector<double> error_deg;
   std::vector<double> is_wrong_mode;
+  std::vector<double> is_wrong_early;
   int64_t num_without_estimate = 0;
 };
 
@@ -110,6 +121,9 @@ Sample SampleOf(const std::vector<SequenceErrors>& all, size_t method, double wr
       sample.num_without_estimate += has_estimate ? 0 : 1;
       sample.error_deg.push_back(has_estimate ? error : 180.0);
       sample.is_wrong_mode.push_back(sample.error_deg.back() > wrong_mode_deg ? 1.0 : 0.0);
+    }
+    for (const double error : model.early_deg[method]) {
+      sample.is_wrong_early.push_back(error <= wrong_mode_deg ? 0.0 : 1.0);  // 1 for NaN.
     }
   }
   return sample;
@@ -150,6 +164,10 @@ std::vector<MethodAccuracy> Accuracies(const EvaluationResults& results,
         sample.error_deg, samples[best].error_deg, Statistic::kMedian, bootstrap, rng);
     accuracy.difference_of_wrong_mode_rates = DifferenceInterval(
         sample.is_wrong_mode, samples[best].is_wrong_mode, Statistic::kMean, bootstrap, rng);
+    accuracy.early_wrong_mode_rate =
+        BootstrapInterval(sample.is_wrong_early, Statistic::kMean, bootstrap, rng);
+    accuracy.difference_of_early_wrong_mode_rates = DifferenceInterval(
+        sample.is_wrong_early, samples[best].is_wrong_early, Statistic::kMean, bootstrap, rng);
     accuracy.difference_to_blind_deg = DifferenceInterval(
         sample.error_deg, samples[blind].error_deg, Statistic::kMedian, bootstrap, rng);
     std::vector<double> seconds;
@@ -189,6 +207,10 @@ Result<void> EvaluationParameters::Validate() const {
     return Error{ErrorCode::kInvalidArgument,
                  Format("wrong mode from %g deg, expected between 0 and 180", wrong_mode_deg)};
   }
+  if (early_views < 1 || early_views > 1000) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("early views = %d, expected 1..1000", early_views)};
+  }
   if (particle_runs < 0 || particle_runs > 1000 || bootstrap_resamples < 1) {
     return Error{
         ErrorCode::kInvalidArgument,
@@ -227,6 +249,7 @@ bool EvaluateMethods(std::span<const ObjectModel> models,
 
   results->seed = parameters.seed;
   results->wrong_mode_deg = parameters.wrong_mode_deg;
+  results->early_views = parameters.early_views;
   results->best_ours = kBestOursId;
   results->best_blind = kBestBlindId;
   results->methods.clear();
@@ -246,7 +269,8 @@ bool EvaluateMethods(std::span<const ObjectModel> models,
       ++circle;
     }
     if (detections[i].random.empty()) continue;
-    results->sequences.push_back(ErrorsOfModel(models[i], detections[i].random, on_random, first));
+    results->sequences.push_back(
+        ErrorsOfModel(models[i], detections[i].random, on_random, first, parameters.early_views));
     first += detections[i].random.size();
   }
   if (stop.stop_requested()) return false;
@@ -275,6 +299,14 @@ std::vector<std::string> MissedBars(const EvaluationResults& results) {
                               method.label.c_str(),
                               -accuracy.difference_of_wrong_mode_rates.value,
                               results.best_ours.c_str()));
+    }
+    if (accuracy.difference_of_early_wrong_mode_rates.high < 0.0) {
+      missed.push_back(
+          Format("%s: its wrong-mode rate after %d views is %.4f lower than that of %s",
+                 method.label.c_str(),
+                 results.early_views,
+                 -accuracy.difference_of_early_wrong_mode_rates.value,
+                 results.best_ours.c_str()));
     }
   }
   return missed;

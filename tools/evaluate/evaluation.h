@@ -21,6 +21,7 @@ struct EvaluationParameters {
   /// deg, modulo symmetry. Twice the standard deviation of what the compared methods take for one
   /// mode: an error that no averaging of right detections leaves.
   double wrong_mode_deg = 10.0;
+  int early_views = 3;     ///< after which the wrong-mode rate is taken too
   int particle_runs = 20;  ///< of the particle filter on each circle shown in Fig. 10
   int bootstrap_resamples = 2000;
   std::vector<std::string> figure10_models;  ///< models with all those runs; others have one

@@ -66,6 +66,10 @@ struct MethodAccuracy {
   /// Difference of the medians and of the wrong-mode rates over the same resamples, alike.
   Interval difference_of_medians_deg;
   Interval difference_of_wrong_mode_rates;
+  /// The same after the first views alone (EvaluationResults::early_views), when the wrong ones are
+  /// not outnumbered yet.
+  Interval early_wrong_mode_rate;
+  Interval difference_of_early_wrong_mode_rates;
   /// Difference of the medians to the best variant that is not told the symmetry, alike.
   Interval difference_to_blind_deg;
   double seconds_per_view = 0.0;     ///< median, one core
@@ -80,6 +84,7 @@ struct SequenceErrors {
   int64_t num_found = 0;                       ///< views with a detection
   std::vector<double> detection_deg;           ///< of all found views, modulo symmetry
   std::vector<std::vector<double>> final_deg;  ///< [method][sequence], modulo symmetry; NaN: none
+  std::vector<std::vector<double>> early_deg;  ///< alike, after the first views alone
   std::vector<std::vector<double>> step_median_deg;  ///< [method][view], over the sequences
 };
 
@@ -90,6 +95,7 @@ struct EvaluationResults {
   uint64_t seed = 0;
   double wrong_mode_deg = 0.0;  ///< error from which a final orientation is in the wrong mode
   int views_per_sequence = 0;
+  int early_views = 0;  ///< of these, for MethodAccuracy::early_wrong_mode_rate
   int histogram_k = 0;
   std::vector<MethodInfo> methods;
   std::string best_ours;   ///< id of the variant that the differences are taken to

@@ -41,7 +41,8 @@ std::string AccuracyRow(const EvaluationResults& results, size_t index) {
   const bool best = method.id == results.best_ours;
   std::string row = best ? "<tr class=\"best\">" : "<tr>";
   row += "<td>" + MethodHtml(method) + "</td>" + IntervalCell(accuracy.median_deg, 1, 3) +
-         IntervalCell(accuracy.mean_deg, 1, 2) + IntervalCell(accuracy.wrong_mode_rate, 100, 1);
+         IntervalCell(accuracy.mean_deg, 1, 2) + IntervalCell(accuracy.wrong_mode_rate, 100, 1) +
+         IntervalCell(accuracy.early_wrong_mode_rate, 100, 1);
   if (best) {
     row += "<td colspan=\"4\" class=\"soft\">the best of ours: differences are to this row</td>";
   } else {
@@ -58,6 +59,7 @@ std::string AccuracyRow(const EvaluationResults& results, size_t index) {
 std::string AccuracyTable(const EvaluationResults& results) {
   std::string rows = "<tr>" + HeadCell("method") + HeadCell("median error (°)") +
                      HeadCell("mean error (°)") + HeadCell("wrong mode (%)") +
+                     HeadCell(Format("after %d views (%%)", results.early_views)) +
                      HeadCell("paired difference (°)") + HeadCell("") +
                      HeadCell("wrong mode, difference (points)") + HeadCell("") +
                      HeadCell("no estimate") + "</tr>";

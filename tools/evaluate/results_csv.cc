@@ -99,7 +99,10 @@ std::string AccuracyCsv(const EvaluationResults& results) {
                            "wrong_mode_rate",
                            "median_difference_deg",
                            "difference_of_medians_deg",
-                           "difference_of_wrong_mode_rates"}) {
+                           "difference_of_wrong_mode_rates",
+                           "early_wrong_mode_rate",
+                           "difference_of_early_wrong_mode_rates",
+                           "difference_to_blind_deg"}) {
     const std::string column = name;
     csv += "," + column + "," + column + "_low," + column + "_high";
   }
@@ -113,8 +116,10 @@ std::string AccuracyCsv(const EvaluationResults& results) {
            Fields(accuracy.median_difference_deg) + "," +
            Fields(accuracy.difference_of_medians_deg) + "," +
            Fields(accuracy.difference_of_wrong_mode_rates) + "," +
-           Field(accuracy.seconds_per_view) + "," + std::to_string(accuracy.num_without_estimate) +
-           "\n";
+           Fields(accuracy.early_wrong_mode_rate) + "," +
+           Fields(accuracy.difference_of_early_wrong_mode_rates) + "," +
+           Fields(accuracy.difference_to_blind_deg) + "," + Field(accuracy.seconds_per_view) + "," +
+           std::to_string(accuracy.num_without_estimate) + "\n";
   }
   return csv;
 }

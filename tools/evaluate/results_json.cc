@@ -57,6 +57,9 @@ Json ToJson(const MethodAccuracy& accuracy) {
           {"median_difference_deg", ToJson(accuracy.median_difference_deg)},
           {"difference_of_medians_deg", ToJson(accuracy.difference_of_medians_deg)},
           {"difference_of_wrong_mode_rates", ToJson(accuracy.difference_of_wrong_mode_rates)},
+          {"early_wrong_mode_rate", ToJson(accuracy.early_wrong_mode_rate)},
+          {"difference_of_early_wrong_mode_rates",
+           ToJson(accuracy.difference_of_early_wrong_mode_rates)},
           {"difference_to_blind_deg", ToJson(accuracy.difference_to_blind_deg)},
           {"seconds_per_view", accuracy.seconds_per_view},
           {"num_without_estimate", accuracy.num_without_estimate}};
@@ -69,6 +72,7 @@ Json ToJson(const SequenceErrors& object) {
           {"num_found", object.num_found},
           {"detection_deg", object.detection_deg},
           {"final_deg", object.final_deg},
+          {"early_deg", object.early_deg},
           {"step_median_deg", object.step_median_deg}};
 }
 
@@ -87,6 +91,7 @@ std::string ResultsJson(const EvaluationResults& results) {
                      {"seed", results.seed},
                      {"wrong_mode_deg", results.wrong_mode_deg},
                      {"views_per_sequence", results.views_per_sequence},
+                     {"early_views", results.early_views},
                      {"histogram_k", results.histogram_k},
                      {"methods", ListToJson(results.methods)},
                      {"best_ours", results.best_ours},
