@@ -98,7 +98,8 @@ TEST(ClusteringSweep, EqualsFindingThePeaksOfEveryPair) {
       any_wrong = any_wrong || num_wrong > 0.0;
       // The order of rounding apart; cells may not change clusters by it.
       EXPECT_NEAR(sweep.mean_error_deg[i][j], sum / 6.0, 1e-6) << i << ' ' << j;
-      EXPECT_EQ(sweep.wrong_mode_rate[i][j], num_wrong / 6.0);
+      // The seventh sequence has no detection and counts as wrong.
+      EXPECT_EQ(sweep.wrong_mode_rate[i][j], (num_wrong + 1.0) / 7.0);
       EXPECT_EQ(threaded.mean_error_deg[i][j], sweep.mean_error_deg[i][j]);
       EXPECT_EQ(threaded.wrong_mode_rate[i][j], sweep.wrong_mode_rate[i][j]);
     }
@@ -116,7 +117,8 @@ TEST(ClusteringSweep, WithoutDetectionsThereIsNoError) {
     const ClusteringSweep sweep = SweepClustering(grid, sequences, 10.0, 2, {});
     for (size_t i = 0; i < sweep.w_min.size(); ++i) {
       EXPECT_TRUE(std::isnan(sweep.mean_error_deg[i].back()));
-      EXPECT_TRUE(std::isnan(sweep.wrong_mode_rate[i].back()));
+      EXPECT_EQ(std::isnan(sweep.wrong_mode_rate[i].back()), sequences.empty());
+      if (!sequences.empty()) EXPECT_EQ(sweep.wrong_mode_rate[i].back(), 1.0);
     }
   }
 }
