@@ -118,7 +118,9 @@ TEST(ClusteringSweep, WithoutDetectionsThereIsNoError) {
     for (size_t i = 0; i < sweep.w_min.size(); ++i) {
       EXPECT_TRUE(std::isnan(sweep.mean_error_deg[i].back()));
       EXPECT_EQ(std::isnan(sweep.wrong_mode_rate[i].back()), sequences.empty());
-      if (!sequences.empty()) EXPECT_EQ(sweep.wrong_mode_rate[i].back(), 1.0);
+      if (!sequences.empty()) {
+        EXPECT_EQ(sweep.wrong_mode_rate[i].back(), 1.0);
+      }
     }
   }
 }
