@@ -7,6 +7,7 @@
 
 #include "common/check.h"
 #include "common/format.h"
+#include "fusion/confidence_weight.h"
 #include "fusion/verification_weight.h"
 
 namespace vantage {
@@ -85,6 +86,7 @@ void OrientationFilter::Fuse(const std::vector<OrientationView>& views) {
 void OrientationFilter::FuseAll() {
   histogram_ = OrientationHistogram(*grid_, knowledge_.prior);
   kernels_.clear();
+  support_.clear();
   for (size_t i = 0; i < views_.size(); ++i) {
     const auto num_motions = static_cast<double>(views_.size() - 1 - i);
     AddToHistogram(views_[i], parameters_.sigma_motion * std::sqrt(num_motions));
@@ -111,19 +113,21 @@ void OrientationFilter::AddToHistogram(const OrientationView& view, double sigma
     case FinalOrientation::kDensityMode:
       if (w_v <= 0.0) break;
       histogram_.Add(q, sigma, w_v);
-      AddKernel({q, sigma_motion, w_v * PrecisionWeight(view.mse, parameters_.mode)});
+      AddKernel({q, sigma_motion, w_v * PrecisionWeight(view.mse, parameters_.mode)}, w_v);
       break;
   }
 }
 
 // A detection that repeats the last one adds to its weight, so that a camera and an object at rest
 // cost no more with every frame.
-void OrientationFilter::AddKernel(const OrientationKernel& kernel) {
+void OrientationFilter::AddKernel(const OrientationKernel& kernel, double w_v) {
   if (!kernels_.empty() && kernels_.back().q.coeffs() == kernel.q.coeffs() &&
       kernels_.back().sigma == kernel.sigma) {
     kernels_.back().weight += kernel.weight;
+    support_.back() += w_v;
   } else {
     kernels_.push_back(kernel);
+    support_.push_back(w_v);
   }
 }
 
@@ -148,17 +152,20 @@ void OrientationFilter::FindFinalOrientation() {
 }
 
 // Every peak becomes the mode that mean shift reaches from it; peaks that reach the same mode, or
-// one that a symmetry makes equal, become one. The one with the largest share of the mass is first.
+// one that a symmetry makes equal, become one. The best supported one is first.
 void OrientationFilter::RefinePeaks() {
-  std::vector<OrientationPeak> refined;
+  struct Refined {
+    OrientationPeak peak;
+    double support;
+  };
+  std::vector<Refined> refined;
   for (OrientationPeak& peak : peaks_) {
     const DensityMode mode = RefineMode(kernels_, peak.q, parameters_.mode, knowledge_.symmetry);
-    const auto same =
-        std::find_if(refined.begin(), refined.end(), [&](const OrientationPeak& other) {
-          return SymmetricAngle(knowledge_.symmetry, mode.q, other.q) < parameters_.sigma_cw;
-        });
+    const auto same = std::find_if(refined.begin(), refined.end(), [&](const Refined& other) {
+      return SymmetricAngle(knowledge_.symmetry, mode.q, other.peak.q) < parameters_.sigma_cw;
+    });
     if (same != refined.end()) {
-      same->weight += peak.weight;
+      same->peak.weight += peak.weight;
       continue;
     }
     if (mode.density > 0.0) {  // Otherwise no kernel reaches the peak: the cluster's mean stays.
@@ -166,13 +173,27 @@ void OrientationFilter::RefinePeaks() {
       peak.covariance = mode.covariance;
       peak.spread = std::sqrt(mode.covariance.trace());
     }
-    refined.push_back(peak);
+    refined.push_back({peak, Support(peak.q)});
   }
-  std::stable_sort(
-      refined.begin(), refined.end(), [](const OrientationPeak& a, const OrientationPeak& b) {
-        return a.weight > b.weight;
-      });
-  peaks_ = std::move(refined);
+  std::stable_sort(refined.begin(), refined.end(), [](const Refined& a, const Refined& b) {
+    return a.support > b.support;
+  });
+  peaks_.clear();
+  for (const Refined& one : refined) peaks_.push_back(one.peak);
+}
+
+// What the histogram's weight (eq. 5) at an orientation would be on a grid without cells, modulo
+// symmetry. Precision weights are left out: how well a detection fits tells how near it is to the
+// mode that it is of, not which one is right.
+double OrientationFilter::Support(const Eigen::Quaterniond& q) const {
+  double support = 0.0;
+  for (size_t i = 0; i < kernels_.size(); ++i) {
+    const double angle = SymmetricAngle(knowledge_.symmetry, kernels_[i].q, q);
+    const double sigma = std::hypot(parameters_.sigma_cw, kernels_[i].sigma);
+    support += support_[i] * ConfidenceWeight(angle, sigma);
+  }
+  if (knowledge_.prior.is_uniform()) return support;
+  return support * knowledge_.prior.Density(grid_->Ordinal(grid_->CellOf(q)));
 }
 
 Eigen::Quaterniond OrientationFilter::HeaviestCell() const {

@@ -70,7 +70,8 @@ class OrientationFilter : public OrientationFusion {
 
  private:
   void AddToHistogram(const OrientationView& view, double sigma_motion);
-  void AddKernel(const OrientationKernel& kernel);
+  void AddKernel(const OrientationKernel& kernel, double w_v);
+  [[nodiscard]] double Support(const Eigen::Quaterniond& q) const;
   void FuseAll();
   void FindFinalOrientation();
   void RefinePeaks();
@@ -84,6 +85,7 @@ class OrientationFilter : public OrientationFusion {
   OrientationHistogram histogram_;
   std::vector<OrientationView> views_;
   std::vector<OrientationKernel> kernels_;  // Of views with weight.
+  std::vector<double> support_;             // w_v of each.
   std::vector<OrientationPeak> peaks_;
   std::vector<std::optional<Eigen::Quaterniond>> q_f_;  // After each view; none without weight.
 };

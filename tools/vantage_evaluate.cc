@@ -321,8 +321,12 @@ Result<int> Evaluate(const Arguments& arguments) {
     if (!is_complete) return kInterrupted;
   }
   TellOfCache(input->cache.get());
-  results.sweep = SweepClustering(
-      *grid, Sequences(*input, true), results.wrong_mode_deg, arguments.threads, interrupt.token());
+  results.sweep = SweepClustering(*grid,
+                                  ClusteringParameters(),
+                                  Sequences(*input, true),
+                                  results.wrong_mode_deg,
+                                  arguments.threads,
+                                  interrupt.token());
   if (interrupt.token().stop_requested()) return kInterrupted;
   MeasureGrids(arguments.largest_grid, &results);
 

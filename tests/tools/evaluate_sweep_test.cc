@@ -63,8 +63,8 @@ TEST(ClusteringSweep, EqualsFindingThePeaksOfEveryPair) {
   std::vector<EvaluatedSequence> sequences;
   for (const MadeUp& each : made_up) sequences.push_back({&each.sequence, &symmetry});
   constexpr double kWrongModeDeg = 1.5;
-  const ClusteringSweep sweep = SweepClustering(grid, sequences, kWrongModeDeg, 1, {});
-  const ClusteringSweep threaded = SweepClustering(grid, sequences, kWrongModeDeg, 3, {});
+  const ClusteringSweep sweep = SweepClustering(grid, {}, sequences, kWrongModeDeg, 1, {});
+  const ClusteringSweep threaded = SweepClustering(grid, {}, sequences, kWrongModeDeg, 3, {});
 
   ASSERT_GE(sweep.w_min.size(), 10U);
   ASSERT_EQ(sweep.mean_error_deg.size(), sweep.w_min.size());
@@ -114,7 +114,7 @@ TEST(ClusteringSweep, WithoutDetectionsThereIsNoError) {
   const MadeUp nothing = MakeUp(symmetry, 0, rng);
   const std::vector<EvaluatedSequence> unseen = {{&nothing.sequence, &symmetry}};
   for (const auto& sequences : {std::vector<EvaluatedSequence>{}, unseen}) {
-    const ClusteringSweep sweep = SweepClustering(grid, sequences, 10.0, 2, {});
+    const ClusteringSweep sweep = SweepClustering(grid, {}, sequences, 10.0, 2, {});
     for (size_t i = 0; i < sweep.w_min.size(); ++i) {
       EXPECT_TRUE(std::isnan(sweep.mean_error_deg[i].back()));
       EXPECT_EQ(std::isnan(sweep.wrong_mode_rate[i].back()), sequences.empty());
@@ -133,7 +133,7 @@ TEST(ClusteringSweep, StopsWhenAsked) {
   const std::vector<EvaluatedSequence> sequences(20, {&made_up.sequence, &symmetry});
   std::stop_source stop;
   stop.request_stop();
-  const ClusteringSweep sweep = SweepClustering(grid, sequences, 10.0, 2, stop.get_token());
+  const ClusteringSweep sweep = SweepClustering(grid, {}, sequences, 10.0, 2, stop.get_token());
   EXPECT_TRUE(std::isnan(sweep.mean_error_deg.front().back()));
 }
 

@@ -18,8 +18,9 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-OrientationHistogram Fuse(const So3Grid& grid, const DetectionSequence& sequence) {
-  const OrientationFilterParameters parameters;
+OrientationHistogram Fuse(const So3Grid& grid,
+                          const OrientationFilterParameters& parameters,
+                          const DetectionSequence& sequence) {
   OrientationHistogram histogram(grid);
   for (const DetectedView& view : sequence.views) {
     if (view.detections.empty()) continue;
@@ -34,9 +35,10 @@ OrientationHistogram Fuse(const So3Grid& grid, const DetectionSequence& sequence
 
 // Error for every pair of thresholds, deg, [w_min][w_max].
 std::vector<std::vector<double>> Errors(const So3Grid& grid,
+                                        const OrientationFilterParameters& parameters,
                                         const EvaluatedSequence& evaluated,
                                         const std::vector<double>& thresholds) {
-  const OrientationHistogram histogram = Fuse(grid, *evaluated.sequence);
+  const OrientationHistogram histogram = Fuse(grid, parameters, *evaluated.sequence);
   const Eigen::Quaterniond truth =
       Eigen::Quaterniond(evaluated.sequence->T_world_object.linear()).normalized();
   std::vector<std::vector<double>> errors(thresholds.size(),
@@ -56,6 +58,7 @@ std::vector<std::vector<double>> Errors(const So3Grid& grid,
 }  // namespace
 
 ClusteringSweep SweepClustering(const So3Grid& grid,
+                                const OrientationFilterParameters& parameters,
                                 std::span<const EvaluatedSequence> sequences,
                                 double wrong_mode_deg,
                                 int threads,
@@ -68,7 +71,7 @@ ClusteringSweep SweepClustering(const So3Grid& grid,
   std::atomic<size_t> next = 0;
   const auto work = [&] {
     for (size_t i = next++; i < sequences.size() && !stop.stop_requested(); i = next++) {
-      errors[i] = Errors(grid, sequences[i], thresholds);
+      errors[i] = Errors(grid, parameters, sequences[i], thresholds);
     }
   };
   {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/symmetry_group.h"
+#include "fusion/orientation_filter.h"
 #include "fusion/orientation_fusion.h"
 #include "fusion/so3_grid.h"
 #include "tools/evaluate/evaluation_results.h"
@@ -52,6 +53,9 @@ struct TunableMethod {
 /// @param grid outlives the methods.
 std::vector<TunableMethod> TunableMethods(const So3Grid& grid);
 std::vector<FusionMethod> FusionMethods(const So3Grid& grid);
+
+/// Those of the confidence and verification weighted clustering among them.
+OrientationFilterParameters ClusteringParameters();
 
 inline constexpr const char* kParticleFilterId = "particle_filter";
 /// The variant of ours that the others are compared with, and the same without the symmetry group.
