@@ -352,7 +352,10 @@ int Main(int argc, char** argv) {
                  "Tries parameters of every method on sequences of the seed plus 1000");
   work->require_option(1);
   app.add_option("--method", arguments.methods, "Methods to tune, by id; all of them by default");
+  // tools/paper names these two; its user may name others.
+  const auto last = CLI::MultiOptionPolicy::TakeLast;
   app.add_option("--models", arguments.models, "Folder with one folder a model")
+      ->multi_option_policy(last)
       ->capture_default_str();
   app.add_option("--use", arguments.use, "Models of that folder; all of them by default");
   app.add_option("--sequences",
@@ -375,6 +378,7 @@ int Main(int argc, char** argv) {
       ->check(CLI::Range(0, So3Grid::kLargest))
       ->capture_default_str();
   app.add_option("--output", arguments.output, "Folder of the cache and the reports")
+      ->multi_option_policy(last)
       ->capture_default_str();
   app.add_option("--name", arguments.name, "The report goes to OUTPUT/NAME")->capture_default_str();
   app.add_flag("--check", arguments.check, "Exit with 1 where the best variant of ours is not");
