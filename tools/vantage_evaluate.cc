@@ -126,6 +126,9 @@ Result<std::vector<ObjectModel>> LoadModels(const Arguments& arguments) {
   return models;
 }
 
+/// Random sequences of each model in Fig. 8, which takes longer than all methods but the slow ones.
+constexpr size_t kSweptSequences = 5;
+
 /// Detections of all models and what is kept of methods. Not complete after a stop.
 struct Input {
   std::vector<ObjectModel> models;
@@ -174,15 +177,21 @@ void TellOfCache(MethodCache* cache) {
                static_cast<long long>(cache->num_found()));
 }
 
-/// Of all models: the random sequences, and the circles too where they are wanted.
-std::vector<EvaluatedSequence> Sequences(const Input& input, bool with_circles) {
+/// Of all models, one after the other: the circles where they are wanted, and random sequences, up
+/// to a number of each model.
+std::vector<EvaluatedSequence> Sequences(const Input& input,
+                                         bool with_circles,
+                                         size_t most_random = SIZE_MAX) {
   std::vector<EvaluatedSequence> all;
   for (size_t i = 0; i < input.models.size(); ++i) {
     const SymmetryGroup* symmetry = &input.models[i].symmetry;
+    const ModelDetections& of_model = input.run.models[i];
     if (with_circles) {
-      for (const auto& sequence : input.run.models[i].circles) all.push_back({&sequence, symmetry});
+      for (const auto& sequence : of_model.circles) all.push_back({&sequence, symmetry});
     }
-    for (const auto& sequence : input.run.models[i].random) all.push_back({&sequence, symmetry});
+    for (size_t j = 0; j < std::min(most_random, of_model.random.size()); ++j) {
+      all.push_back({&of_model.random[j], symmetry});
+    }
   }
   return all;
 }
@@ -323,7 +332,7 @@ Result<int> Evaluate(const Arguments& arguments) {
   TellOfCache(input->cache.get());
   results.sweep = SweepClustering(*grid,
                                   ClusteringParameters(),
-                                  Sequences(*input, true),
+                                  Sequences(*input, true, kSweptSequences),
                                   results.wrong_mode_deg,
                                   arguments.threads,
                                   interrupt.token());
