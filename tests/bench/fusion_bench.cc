@@ -296,6 +296,7 @@ BENCHMARK(DensityModeView)->Unit(benchmark::kMicrosecond);
 BENCHMARK(ParticleFilterView)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BinghamProductView)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BinghamSmcView)->Unit(benchmark::kMicrosecond);
+BENCHMARK(HistogramView)->Name("HistogramView/beside_smc")->Unit(benchmark::kMicrosecond);
 BENCHMARK(MakeGrid)->Arg(32)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 
 }  // namespace
