@@ -126,6 +126,10 @@ TunableMethod Histogram(const So3Grid& grid,
             set.final_orientation = variant.final_orientation;
             set.peaks.w_min = 0.7;
             set.peaks.w_max = 0.9;
+            // Lower modes than C_max are of use to the density mode alone.
+            if (set.final_orientation != FinalOrientation::kDensityMode) {
+              set.peaks.w_mode = set.peaks.w_max;
+            }
             set_values(values, &set);
             const bool is_told_symmetry = variant.is_told_symmetry;
             return [&grid, set, is_told_symmetry](uint64_t, const SymmetryGroup& symmetry) {
@@ -191,6 +195,7 @@ TunableMethod Bayesian(const So3Grid& grid) {
             BayesianHistogramParameters parameters;
             parameters.sigma = values[0] * kDegree;
             parameters.outlier_share = values[1];
+            parameters.peaks.w_mode = parameters.peaks.w_max;
             return [&grid, parameters](uint64_t, const SymmetryGroup&) {
               return std::make_unique<BayesianHistogram>(grid, parameters);
             };
