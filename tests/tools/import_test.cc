@@ -115,19 +115,9 @@ std::vector<LogEvent> ReadLog(const fs::path& file) {
   return events;
 }
 
-class Import : public ScratchTest {
+class Import : public ToolTest {
  protected:
-  ProgramOutput Run(const std::string& arguments) {
-    return RunProgram("vantage-log", arguments, scratch());
-  }
-  void ExpectRefused(const std::string& arguments, const std::string& part) {
-    const auto before = ListTree(scratch());
-    const ProgramOutput output = Run(arguments);
-    EXPECT_EQ(output.exit_code, 2) << arguments;
-    EXPECT_NE(output.text.find(part), std::string::npos) << arguments << "\n" << output.text;
-    EXPECT_EQ(output.text.find('\n'), output.text.size() - 1) << output.text;
-    EXPECT_EQ(ListTree(scratch()), before) << arguments;
-  }
+  Import() : ToolTest("vantage-log") {}
 };
 
 // Depth, pose and intrinsics of each view come back from the log, and the camera rests there.

@@ -23,20 +23,9 @@ namespace fs = std::filesystem;
 constexpr const char* kTetrahedron =
     "v 0 0 0\nv 60 0 0\nv 0 60 0\nv 0 0 60\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
-class ModelTool : public ScratchTest {
+class ModelTool : public ToolTest {
  protected:
-  ProgramOutput Run(const std::string& arguments) {
-    return RunProgram("vantage-model", arguments, scratch());
-  }
-  void ExpectRefused(const std::string& arguments, const std::string& part) {
-    const auto before = ListTree(scratch());
-    const ProgramOutput output = Run(arguments);
-    EXPECT_EQ(output.exit_code, 2) << arguments;
-    EXPECT_NE(output.text.find(part), std::string::npos) << arguments << "\n" << output.text;
-    // One sentence, one line, and nothing left behind.
-    EXPECT_EQ(output.text.find('\n'), output.text.size() - 1) << output.text;
-    EXPECT_EQ(ListTree(scratch()), before) << arguments;
-  }
+  ModelTool() : ToolTest("vantage-model") {}
 };
 
 TEST_F(ModelTool, GeneratesWhatLoads) {

@@ -24,18 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Replay : public ScratchTest {
+class Replay : public ToolTest {
  protected:
-  ProgramOutput Run(const std::string& arguments) {
-    return RunProgram("vantage-replay", arguments, scratch());
-  }
-  void ExpectRefused(const std::string& arguments, const std::string& part) {
-    const auto before = ListTree(scratch());
-    const ProgramOutput output = Run(arguments);
-    EXPECT_EQ(output.exit_code, 2) << arguments << "\n" << output.text;
-    EXPECT_NE(output.text.find(part), std::string::npos) << arguments << "\n" << output.text;
-    EXPECT_EQ(ListTree(scratch()), before) << arguments;
-  }
+  Replay() : ToolTest("vantage-replay") {}
   [[nodiscard]] std::string Bytes(const std::string& name) const {
     const Result<std::string> bytes = ReadFileBytes(scratch() / name, size_t{1} << 28U);
     EXPECT_TRUE(bytes.ok()) << bytes.error().message;

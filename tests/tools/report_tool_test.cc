@@ -49,18 +49,9 @@ size_t CountColors(const RgbImage& image) {
   return colors.size();
 }
 
-class ReportTool : public ScratchTest {
+class ReportTool : public ToolTest {
  protected:
-  ProgramOutput Run(const std::string& arguments) {
-    return RunProgram("vantage-report", arguments, scratch());
-  }
-  void ExpectRefused(const std::string& arguments, const std::string& part) {
-    const auto before = ListTree(scratch());
-    const ProgramOutput output = Run(arguments);
-    EXPECT_EQ(output.exit_code, 2) << arguments << "\n" << output.text;
-    EXPECT_NE(output.text.find(part), std::string::npos) << arguments << "\n" << output.text;
-    EXPECT_EQ(ListTree(scratch()), before) << arguments;
-  }
+  ReportTool() : ToolTest("vantage-report") {}
   [[nodiscard]] std::string Text(const std::string& name) const {
     const Result<std::string> text = ReadFileBytes(scratch() / name, size_t{1} << 26U);
     EXPECT_TRUE(text.ok()) << text.error().message;

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace vantage {
@@ -65,6 +66,29 @@ class ScratchTest : public ::testing::Test {
 
  private:
   std::filesystem::path scratch_;
+};
+
+/// A test of one program, run in the scratch folder.
+class ToolTest : public ScratchTest {
+ protected:
+  explicit ToolTest(std::string program) : program_(std::move(program)) {}
+
+  [[nodiscard]] ProgramOutput Run(const std::string& arguments) const {
+    return RunProgram(program_, arguments, scratch());
+  }
+  /// Exit code 2, one sentence that has `part`, and nothing left behind.
+  void ExpectRefused(const std::string& arguments, const std::string& part) const {
+    SCOPED_TRACE(arguments);
+    const auto before = ListTree(scratch());
+    const ProgramOutput output = Run(arguments);
+    EXPECT_EQ(output.exit_code, 2) << output.text;
+    EXPECT_NE(output.text.find(part), std::string::npos) << output.text;
+    EXPECT_EQ(output.text.find('\n'), output.text.size() - 1) << output.text;
+    EXPECT_EQ(ListTree(scratch()), before);
+  }
+
+ private:
+  std::string program_;
 };
 
 }  // namespace vantage
