@@ -34,7 +34,7 @@ class EvaluateReport : public ScratchTest {
   void SetUp() override {
     ScratchTest::SetUp();
     const Result<std::string> figure = RunGnuplot("set terminal svg\nplot x\n");
-    if (!figure && figure.error().code == ErrorCode::kNotFound) GTEST_SKIP() << "no gnuplot here";
+    if (!figure && figure.error().code == ErrorCode::kNotFound) GTEST_SKIP() << "gnuplot is not installed (Debian package gnuplot-nox)";
   }
   [[nodiscard]] fs::path folder() const { return scratch() / "out" / "evaluate"; }
   [[nodiscard]] std::string Text(const fs::path& name) const {

@@ -64,7 +64,7 @@ class EvaluateTool : public ScratchTest {
   void SetUp() override {
     ScratchTest::SetUp();
     const Result<std::string> figure = RunGnuplot("set terminal svg\nplot x\n");
-    if (!figure && figure.error().code == ErrorCode::kNotFound) GTEST_SKIP() << "no gnuplot here";
+    if (!figure && figure.error().code == ErrorCode::kNotFound) GTEST_SKIP() << "gnuplot is not installed (Debian package gnuplot-nox)";
   }
   static std::string Few(const std::string& arguments) {
     return std::string("--models '") + VANTAGE_SOURCE_DIR +

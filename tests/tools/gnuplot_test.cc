@@ -28,7 +28,7 @@ class Gnuplot : public ScratchTest {
 TEST_F(Gnuplot, DrawsWithTheRealOne) {
   const Result<std::string> figure =
       RunGnuplot("set terminal svg\nset title 'eh'\nplot [0:1] x title 'identity'\n");
-  if (!figure && figure.error().code == ErrorCode::kNotFound) GTEST_SKIP() << "no gnuplot here";
+  if (!figure && figure.error().code == ErrorCode::kNotFound) GTEST_SKIP() << "gnuplot is not installed (Debian package gnuplot-nox)";
   ASSERT_TRUE(figure.ok()) << figure.error().message;
   EXPECT_NE(figure->find("<svg"), std::string::npos);
   EXPECT_NE(figure->find("identity"), std::string::npos);
