@@ -12,6 +12,7 @@
 #include "common/rng.h"
 #include "common/so3.h"
 #include "common/statistics.h"
+#include "tests/tools/placed_orientation.h"
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/fusion_methods.h"
 #include "tools/evaluate/method_run.h"
@@ -19,19 +20,12 @@
 namespace vantage {
 namespace {
 
-Pose PoseAt(const Eigen::Quaterniond& q, Rng& rng) {
-  Pose pose = Pose::Identity();
-  pose.linear() = q.toRotationMatrix();
-  pose.translation() = rng.UnitVector();
-  return pose;
-}
-
 DetectedView Seen(const std::vector<Eigen::Quaterniond>& hypotheses, Rng& rng) {
   DetectedView view;
-  view.T_world_camera = PoseAt(rng.Rotation(), rng);
+  view.T_world_camera = PlacedOrientation(rng.Rotation(), rng);
   for (const Eigen::Quaterniond& q : hypotheses) {
     Detection detection;
-    detection.T_camera_object = view.T_world_camera.inverse() * PoseAt(q, rng);
+    detection.T_camera_object = view.T_world_camera.inverse() * PlacedOrientation(q, rng);
     detection.mse = rng.Uniform(0.0, 5e-6);
     view.detections.push_back(detection);
   }
@@ -42,7 +36,7 @@ DetectedView Seen(const std::vector<Eigen::Quaterniond>& hypotheses, Rng& rng) {
 DetectionSequence MakeUp(int num_views, Rng& rng) {
   DetectionSequence sequence;
   const Eigen::Quaterniond truth = rng.Rotation();
-  sequence.T_world_object = PoseAt(truth, rng);
+  sequence.T_world_object = PlacedOrientation(truth, rng);
   for (int i = 0; i < num_views; ++i) {
     const Eigen::Vector3d error(rng.Normal(), rng.Normal(), rng.Normal());
     const Eigen::Quaterniond q =
@@ -101,7 +95,7 @@ TEST(RunMethod, ErrorsAreThoseAfterEveryView) {
   const SymmetryGroup symmetry = SymmetryGroup::Dihedral(3, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0});
   DetectionSequence sequence;
   const Eigen::Quaterniond truth = rng.Rotation();
-  sequence.T_world_object = PoseAt(truth, rng);
+  sequence.T_world_object = PlacedOrientation(truth, rng);
   std::vector<double> plain;
   std::vector<double> symmetric;
   for (int i = 0; i < 12; ++i) {
@@ -236,7 +230,7 @@ class MadeUpEvaluation {
   DetectionSequence Exact(int num_views) {
     DetectionSequence sequence;
     const Eigen::Quaterniond truth = rng_.Rotation();
-    sequence.T_world_object = PoseAt(truth, rng_);
+    sequence.T_world_object = PlacedOrientation(truth, rng_);
     for (int i = 0; i < num_views; ++i) {
       sequence.views.push_back(i == 1 ? DetectedView{} : Seen({truth}, rng_));
     }

@@ -8,17 +8,11 @@
 #include "common/so3.h"
 #include "fusion/orientation_histogram.h"
 #include "fusion/peaks.h"
+#include "tests/tools/placed_orientation.h"
 #include "tools/evaluate/clustering_sweep.h"
 
 namespace vantage {
 namespace {
-
-Pose PoseAt(const Eigen::Quaterniond& q, Rng& rng) {
-  Pose pose = Pose::Identity();
-  pose.linear() = q.toRotationMatrix();
-  pose.translation() = rng.UnitVector();
-  return pose;
-}
 
 // A sequence and the orientations in the world that its views detected.
 struct MadeUp {
@@ -30,21 +24,21 @@ struct MadeUp {
 MadeUp MakeUp(const SymmetryGroup& symmetry, int num_views, Rng& rng) {
   MadeUp made_up;
   made_up.truth = rng.Rotation();
-  made_up.sequence.T_world_object = PoseAt(made_up.truth, rng);
+  made_up.sequence.T_world_object = PlacedOrientation(made_up.truth, rng);
   const auto order = static_cast<uint32_t>(symmetry.elements.size());
   for (int i = 0; i < num_views; ++i) {
     DetectedView view;
-    view.T_world_camera = PoseAt(rng.Rotation(), rng);
+    view.T_world_camera = PlacedOrientation(rng.Rotation(), rng);
     const Eigen::Vector3d error(rng.Normal(), rng.Normal(), rng.Normal());
     const Eigen::Quaterniond q = i % 3 == 1 ? rng.Rotation()
                                             : made_up.truth * symmetry.elements[rng.Below(order)] *
                                                   ExpSo3(2.0 * kDegree * error);
     const double mse = rng.Uniform(0.0, 1e-5);
     Detection best;
-    best.T_camera_object = view.T_world_camera.inverse() * PoseAt(q, rng);
+    best.T_camera_object = view.T_world_camera.inverse() * PlacedOrientation(q, rng);
     best.mse = mse;
     Detection second;  // Never looked at.
-    second.T_camera_object = PoseAt(rng.Rotation(), rng);
+    second.T_camera_object = PlacedOrientation(rng.Rotation(), rng);
     view.detections = {best, second};
     made_up.sequence.views.push_back(view);
     made_up.views.push_back({q, mse});
