@@ -16,8 +16,8 @@ struct ModeRefinementParameters {
   double sigma = 4.0 * kDegree;
   /// The refining kernels are this many times as wide as the detections about the mode scatter
   /// (a robust standard deviation in each axis); 0: as wide as `sigma`. Wider ones average more
-  /// detections, narrower ones trust the nearer ones more. Three was best of 2, 2.5, 3 and 4, all
-  /// within 3 % (docs/fusion.md).
+  /// detections, narrower ones trust the nearer ones more. docs/evaluation.md has what other
+  /// values give.
   double bandwidth = 3.0;
   double smallest_sigma = 0.05 * kDegree;  ///< rad, of the refining kernels
   /// m^2. A detection counts as 1 / (mse + mse_floor), the precision of measurements whose variance

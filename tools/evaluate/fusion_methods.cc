@@ -203,7 +203,7 @@ TunableMethod Bayesian(const So3Grid& grid) {
 }
 
 // The histogram finds the mode, kernels about the detections themselves refine it.
-// With vantage-fusion's own values, which tuning bettered by 4 % at most (docs/evaluation.md).
+// With vantage-fusion's own values, which tuning bettered by 5 % at most (docs/evaluation.md).
 TunableMethod DensityModeOf(const So3Grid& grid, const HistogramVariant& variant) {
   return Histogram(grid,
                    variant,
