@@ -39,11 +39,6 @@ void CellWeights::Scale(float factor) {
   }
 }
 
-void CellWeights::Clear() {
-  for (const Bound& bound : bounds_) page_of_[static_cast<size_t>(bound.first / kPageSize)] = -1;
-  bounds_.clear();
-}
-
 float CellWeights::Largest() const {
   float largest = 0.0F;
   for (size_t page = 0; page < bounds_.size(); ++page) {

@@ -51,8 +51,6 @@ class CellWeights {
   }
   /// Multiplies all weights by a factor > 0.
   void Scale(float factor);
-  /// Back to all 0; keeps the storage.
-  void Clear();
 
   /// The largest weight; 0 when there is none. Costs the pages.
   [[nodiscard]] float Largest() const;

@@ -40,18 +40,13 @@ DensityMode FindDensityMode(std::span<const OrientationKernel> kernels,
   DensityMode mode;
   mode.q = Canonical(q);
   const Eigen::Quaterniond q_inverse = mode.q.conjugate();
-  double square_sum = 0.0;
   for (const OrientationKernel& kernel : kernels) {
     const Eigen::Vector3d r = LogSo3(kernel.q * q_inverse);
     const double height = Height(kernel, r.squaredNorm());
     mode.density += height;
-    square_sum += height * height;
     mode.covariance += height * r * r.transpose();
   }
-  if (mode.density > 0.0) {
-    mode.covariance /= mode.density;
-    mode.num_effective = mode.density * mode.density / square_sum;
-  }
+  if (mode.density > 0.0) mode.covariance /= mode.density;
   return mode;
 }
 

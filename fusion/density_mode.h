@@ -19,8 +19,6 @@ struct DensityMode {
   /// rad^2, of the detections about q, each counting as much as its kernel is high there; of the
   /// rotation vectors r in the world's axes, exp(r) q.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  /// How many detections of equal weight would pin q down as well (Kish's effective number).
-  double num_effective = 0.0;
 };
 
 /// The mode of the kernel density of raw detections that mean shift on SO(3) reaches from `start`.

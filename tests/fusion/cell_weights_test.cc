@@ -19,7 +19,6 @@ class MapOfWeights {
   void Scale(float factor) {
     for (auto& [ordinal, weight] : weights_) weight *= factor;
   }
-  void Clear() { weights_.clear(); }
 
   void ExpectSame(const CellWeights& weights) const {
     const So3Grid& grid = weights.grid();
@@ -93,10 +92,6 @@ TEST(CellWeights, EqualAMap) {
         weights.Scale(factor);
         expected.Scale(factor);
       }
-      if (round % 20 == 19) {
-        weights.Clear();
-        expected.Clear();
-      }
       ASSERT_NO_FATAL_FAILURE(expected.ExpectSame(weights)) << "k " << k << " round " << round;
     }
   }
@@ -136,17 +131,6 @@ TEST(CellWeights, ACopyIsItsOwn) {
   const CellWeights moved = std::move(copy);
   EXPECT_EQ(moved.At(78), 3.0F);
   EXPECT_EQ(moved.At(77), 1.0F);
-}
-
-TEST(CellWeights, WhatIsClearedKeepsItsStorage) {
-  const So3Grid grid(16);
-  CellWeights weights(grid);
-  for (int32_t i = 0; i < grid.num_cells(); ++i) weights.Add(i, 1.0F);
-  const size_t full = weights.bytes();
-  weights.Clear();
-  EXPECT_EQ(weights.bytes(), full);
-  for (int32_t i = 0; i < grid.num_cells(); ++i) weights.Add(i, 1.0F);
-  EXPECT_EQ(weights.bytes(), full);
 }
 
 TEST(CellWeights, FineGridsFitIntoLittle) {
