@@ -145,19 +145,25 @@ PpfEstimator::Prepared PpfEstimator::Prepare(Model model) {
   if (quick.triangles.size() > kManyTriangles) {
     quick = SimplifyMesh(object.mesh, kQuickCell * object.diameter);
   }
+  DrawableMesh mesh(object.mesh);
   const double radius = RadiusAboutCenter(object);
   NearestGrid grid = MakeGrid(object);
   Rng rng(kSelfSeed);
   std::vector<Pose> alternatives =
       FindSelfAlignments(model.table,
                          grid,
-                         ModelShape{object.mesh, object.center, object.diameter, radius},
+                         ModelShape{mesh, object.center, object.diameter, radius},
                          object.symmetry,
                          rng);
-  return {std::move(model), std::move(grid), std::move(quick), radius, std::move(alternatives)};
+  return {std::move(model),
+          std::move(grid),
+          std::move(mesh),
+          DrawableMesh(std::move(quick)),
+          radius,
+          std::move(alternatives)};
 }
 
-ModelShape PpfEstimator::Shape(const Prepared& prepared, const TriangleMesh& mesh) {
+ModelShape PpfEstimator::Shape(const Prepared& prepared, const DrawableMesh& mesh) {
   const ObjectModel& object = prepared.model.object;
   return {mesh, object.center, object.diameter, prepared.radius};
 }
@@ -170,7 +176,7 @@ void PpfEstimator::VerifyAndSort(const SegmentedImage& image,
   const StageTimer timer(times, &StageTimes::verification);
   for (Hypothesis& hypothesis : *hypotheses) {
     const Prepared& known = models_[hypothesis.model];
-    const TriangleMesh& mesh = hypothesis.is_final ? known.model.object.mesh : known.quick_mesh;
+    const DrawableMesh& mesh = hypothesis.is_final ? known.mesh : known.quick_mesh;
     hypothesis.verification = Verify(Shape(known, mesh),
                                      hypothesis.T_camera_object,
                                      image,
@@ -269,7 +275,7 @@ std::vector<PpfEstimator::Hypothesis> PpfEstimator::Explain(const SegmentedImage
     const StageTimer timer(times, &StageTimes::refinement);
     const Prepared& known = models_[hypothesis.model];
     hypothesis.is_final = true;
-    hypothesis.T_camera_object = RefineFine(Shape(known, known.model.object.mesh),
+    hypothesis.T_camera_object = RefineFine(Shape(known, known.mesh),
                                             hypothesis.T_camera_object,
                                             image,
                                             1,
@@ -319,7 +325,7 @@ PpfEstimator::Output PpfEstimator::Estimate(const DepthImage& depth,
     }
     if (hypotheses.empty()) continue;
     const Prepared& best = models_[hypotheses.front().model];
-    MarkExplained(Shape(best, best.model.object.mesh),
+    MarkExplained(Shape(best, best.mesh),
                   hypotheses.front().T_camera_object,
                   image,
                   parameters_.verification,

@@ -85,12 +85,13 @@ class PpfEstimator {
   struct Prepared {
     Model model;
     NearestGrid grid;                // For coarse refinement.
-    TriangleMesh quick_mesh;         // For all but the last refinement.
+    DrawableMesh mesh;               // Whole.
+    DrawableMesh quick_mesh;         // For all but the last refinement.
     double radius;                   // m, about the center
     std::vector<Pose> alternatives;  // Self alignments.
   };
   static Prepared Prepare(Model model);
-  static ModelShape Shape(const Prepared& prepared, const TriangleMesh& mesh);
+  static ModelShape Shape(const Prepared& prepared, const DrawableMesh& mesh);
 
   void VerifyAndSort(const SegmentedImage& image,
                      size_t cluster,

@@ -7,6 +7,7 @@
 #include "common/result.h"
 #include "common/rng.h"
 #include "common/so3.h"
+#include "perception/estimator/pose_proposer.h"
 #include "perception/ppf/ppf_table.h"
 
 namespace vantage {
@@ -22,11 +23,6 @@ struct PpfVotingParameters {
   double cluster_angle_deg = 15.0;  ///< deg, between orientations of equal poses
   int max_hypotheses = 12;
   Result<void> Validate() const;
-};
-
-struct PoseHypothesis {
-  Pose T_camera_object = Pose::Identity();
-  double votes = 0.0;
 };
 
 /// Counts of a reference point: for every model point and turn, how many scene pairs agree.

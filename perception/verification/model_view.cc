@@ -5,7 +5,7 @@
 
 namespace vantage {
 
-void ModelView::Render(const TriangleMesh& mesh,
+void ModelView::Render(const DrawableMesh& mesh,
                        const Pose& T_camera_mesh,
                        const CameraModel& camera,
                        const PixelWindow& window,
@@ -29,7 +29,7 @@ void ModelView::Render(const TriangleMesh& mesh,
   part.cx = (camera.cx - u0_) / step;
   part.cy = (camera.cy - v0_) / step;
   rasterizer_.emplace(part);
-  touched_ = rasterizer_->Draw(mesh, T_camera_mesh);
+  touched_ = rasterizer_->Draw(mesh.mesh(), T_camera_mesh);
 }
 
 bool ModelView::Shows(int u, int v, int margin) const {
@@ -79,11 +79,11 @@ PixelWindow ModelWindow(const CameraModel& camera,
   return BallWindow(camera, T_camera_object * model.center, model.radius);
 }
 
-Eigen::Vector3f VisibleNormal(const TriangleMesh& mesh,
+Eigen::Vector3f VisibleNormal(const DrawableMesh& mesh,
                               const Eigen::Matrix3f& R_camera_mesh,
                               uint32_t triangle,
                               const Eigen::Vector3f& ray) {
-  const Eigen::Vector3f normal = R_camera_mesh * mesh.ScaledNormal(triangle).normalized();
+  const Eigen::Vector3f normal = R_camera_mesh * mesh.normal(triangle);
   return normal.dot(ray) > 0.0F ? Eigen::Vector3f(-normal) : normal;
 }
 

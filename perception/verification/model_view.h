@@ -7,13 +7,13 @@
 #include "common/camera_model.h"
 #include "common/depth_rasterizer.h"
 #include "common/so3.h"
-#include "common/triangle_mesh.h"
+#include "perception/verification/drawable_mesh.h"
 
 namespace vantage {
 
 /// What hypotheses of one model need of it.
 struct ModelShape {
-  const TriangleMesh& mesh;
+  const DrawableMesh& mesh;
   Eigen::Vector3d center;  ///< m
   double diameter;         ///< m
   double radius;           ///< m, of the smallest ball about the center that holds the mesh
@@ -24,7 +24,7 @@ class ModelView {
  public:
   /// @param window in the camera's pixels; what is outside the image is cut off.
   /// @param step >= 1; only pixels whose u and v are its multiples are drawn.
-  void Render(const TriangleMesh& mesh,
+  void Render(const DrawableMesh& mesh,
               const Pose& T_camera_mesh,
               const CameraModel& camera,
               const PixelWindow& window,
@@ -77,7 +77,7 @@ PixelWindow ModelWindow(const CameraModel& camera,
 
 /// Outward unit normal of a triangle in camera coordinates, turned towards the camera.
 /// @param ray line of sight, p_camera = depth * ray.
-Eigen::Vector3f VisibleNormal(const TriangleMesh& mesh,
+Eigen::Vector3f VisibleNormal(const DrawableMesh& mesh,
                               const Eigen::Matrix3f& R_camera_mesh,
                               uint32_t triangle,
                               const Eigen::Vector3f& ray);

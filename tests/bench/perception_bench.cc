@@ -111,7 +111,8 @@ const Segmented& Fixture() {
 
 ModelShape BracketShape() {
   const ObjectModel& model = Models()[kBracket];
-  return {model.mesh, model.center, model.diameter, model.diameter};
+  static const DrawableMesh mesh(model.mesh);
+  return {mesh, model.center, model.diameter, model.diameter};
 }
 
 // A little off the truth, as the stage before leaves it.

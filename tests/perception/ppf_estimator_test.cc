@@ -181,8 +181,9 @@ std::vector<Pose> SelfAlignmentsOf(const ObjectModel& model) {
   const PpfTable table = std::move(PpfTable::Train(model.samples, model.diameter, {})).value();
   const NearestGrid grid(
       SampleSurface(model.mesh, 4000, rng), 0.16 * model.diameter, 0.02 * model.diameter);
+  const DrawableMesh mesh(model.mesh);
   return FindSelfAlignments(
-      table, grid, {model.mesh, model.center, model.diameter, model.diameter}, model.symmetry, rng);
+      table, grid, {mesh, model.center, model.diameter, model.diameter}, model.symmetry, rng);
 }
 
 TEST(FindSelfAlignments, FindsHalfTurnOfTheFilterAndTurnsOfTheMug) {

@@ -13,8 +13,11 @@ namespace {
 const CameraModel kCamera = SmallCamera();
 const TriangleMesh kMesh = MakeAsymmetric();
 
-ModelShape ShapeOf(const TriangleMesh& mesh) {
-  return {mesh, mesh.SurfaceCentroid(), mesh.Diameter(), mesh.Diameter()};
+const DrawableMesh kDrawable(kMesh);
+
+ModelShape ShapeOf(const DrawableMesh& drawable) {
+  const TriangleMesh& mesh = drawable.mesh();
+  return {drawable, mesh.SurfaceCentroid(), mesh.Diameter(), mesh.Diameter()};
 }
 
 struct View {
@@ -95,9 +98,9 @@ TEST(RefineFine, RecoversThePoseOfExactDepth) {
     const View seen(kMesh, RandomView(rng), 0.0, rng);
     const Pose start = Disturbed(seen.T_camera_object, 3.0 * kDegree, 0.004, rng);
     const Refined fine =
-        RefineFine(ShapeOf(kMesh), start, seen.image(), 2, 10, 0.008, parameters, &view);
+        RefineFine(ShapeOf(kDrawable), start, seen.image(), 2, 10, 0.008, parameters, &view);
     const Refined refined = RefineFine(
-        ShapeOf(kMesh), fine.T_camera_object, seen.image(), 1, 20, 0.0, parameters, &view);
+        ShapeOf(kDrawable), fine.T_camera_object, seen.image(), 1, 20, 0.0, parameters, &view);
     EXPECT_LT(AngleBetween(refined.T_camera_object, seen.T_camera_object), 0.02 * kDegree);
     EXPECT_LT((refined.T_camera_object.translation() - seen.T_camera_object.translation()).norm(),
               5e-5);
@@ -117,7 +120,7 @@ TEST(RefineFine, CovarianceTellsTheErrorUnderIndependentNoise) {
   for (int trial = 0; trial < 40; ++trial) {
     const View seen(kMesh, RandomView(rng), 0.002, rng);
     const Refined refined = RefineFine(
-        ShapeOf(kMesh), seen.T_camera_object, seen.image(), 1, 8, 0.0, parameters, &view);
+        ShapeOf(kDrawable), seen.T_camera_object, seen.image(), 1, 8, 0.0, parameters, &view);
     const Eigen::Vector3d center = kMesh.SurfaceCentroid();
     Eigen::Matrix<double, 6, 1> error;
     error << LogSo3(Eigen::Quaterniond(refined.T_camera_object.linear() *
@@ -141,7 +144,9 @@ TEST(RefineFine, LeavesWhatNoMeasurementFixes) {
   Pose start = T;
   start.translation() += Eigen::Vector3d(0.003, -0.002, 0.004);
   ModelView view;
-  const Refined refined = RefineFine(ShapeOf(plate), start, seen.image(), 1, 10, 0.01, {}, &view);
+  const DrawableMesh drawable(plate);
+  const Refined refined =
+      RefineFine(ShapeOf(drawable), start, seen.image(), 1, 10, 0.01, {}, &view);
   EXPECT_NEAR(refined.T_camera_object.translation().z(), 0.6, 1e-4);
   EXPECT_NEAR(refined.T_camera_object.translation().x(), 0.003, 1e-3);
   EXPECT_GT(refined.covariance(3, 3), 100.0 * refined.covariance(5, 5));
@@ -153,7 +158,8 @@ TEST(RefineFine, WithoutOverlapReturnsTheStart) {
   Pose beside = seen.T_camera_object;
   beside.translation().x() += 0.3;
   ModelView view;
-  const Refined refined = RefineFine(ShapeOf(kMesh), beside, seen.image(), 1, 5, 0.0, {}, &view);
+  const Refined refined =
+      RefineFine(ShapeOf(kDrawable), beside, seen.image(), 1, 5, 0.0, {}, &view);
   EXPECT_LT(AngleBetween(refined.T_camera_object, beside), 1e-6);
   EXPECT_EQ(refined.pairs, 0);
 }
@@ -174,7 +180,7 @@ TEST(RefineCoarse, BringsVotedPosesIntoReachOfTheFineOne) {
     }
     const Pose start = Disturbed(T, 10.0 * kDegree, 0.008, rng);
     const Refined refined =
-        RefineCoarse(grid, ShapeOf(kMesh), start, scene, kCamera.fx, RefinementParameters{});
+        RefineCoarse(grid, ShapeOf(kDrawable), start, scene, kCamera.fx, RefinementParameters{});
     near += AngleBetween(refined.T_camera_object, T) < 2.0 * kDegree ? 1 : 0;
   }
   EXPECT_GE(near, kTrials * 9 / 10);

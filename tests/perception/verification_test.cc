@@ -12,17 +12,18 @@ namespace {
 
 const CameraModel kCamera = SmallCamera();
 
-ModelShape ShapeOf(const TriangleMesh& mesh) {
-  ModelShape shape{mesh, mesh.SurfaceCentroid(), mesh.Diameter(), 0.0};
+ModelShape ShapeOf(const DrawableMesh& drawable) {
+  const TriangleMesh& mesh = drawable.mesh();
+  ModelShape shape{drawable, mesh.SurfaceCentroid(), mesh.Diameter(), 0.0};
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
     shape.radius = std::max(shape.radius, (vertex.cast<double>() - shape.center).norm());
   }
   return shape;
 }
 
-DepthImage Render(const TriangleMesh& mesh, const Pose& T_camera_mesh) {
+DepthImage Render(const DrawableMesh& drawable, const Pose& T_camera_mesh) {
   DepthRasterizer rasterizer(kCamera);
-  rasterizer.Draw(mesh, T_camera_mesh);
+  rasterizer.Draw(drawable.mesh(), T_camera_mesh);
   return ToImage(rasterizer);
 }
 
@@ -37,10 +38,10 @@ Segmentation AllOneCluster(const DepthImage& depth) {
 Pose At(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
 
 // A plate that faces the camera: every number can be computed by hand.
-const TriangleMesh kPlate = MakeBox({-0.05F, -0.05F, 0.0F}, {0.05F, 0.05F, 0.002F});
+const DrawableMesh kPlate(MakeBox({-0.05F, -0.05F, 0.0F}, {0.05F, 0.05F, 0.002F}));
 
 TEST(ModelView, ShowsEveryStepthPixelOfTheWholeImage) {
-  const TriangleMesh mesh = MakeAsymmetric();
+  const DrawableMesh mesh(MakeAsymmetric());
   const ModelShape shape = ShapeOf(mesh);
   Rng rng(2);
   for (int trial = 0; trial < 30; ++trial) {
@@ -48,7 +49,7 @@ TEST(ModelView, ShowsEveryStepthPixelOfTheWholeImage) {
     // Some reach over the border.
     T.translation() = Eigen::Vector3d(rng.Uniform(-0.3, 0.3), rng.Uniform(-0.3, 0.3), 0.6);
     DepthRasterizer whole(kCamera);
-    whole.Draw(mesh, T);
+    whole.Draw(mesh.mesh(), T);
     const int step = 1 + trial % 4;
     ModelView view;
     view.Render(mesh, T, kCamera, ModelWindow(kCamera, shape, T), step);
@@ -192,7 +193,7 @@ TEST(Verify, SilhouetteOffByAPixelIsNoEvidence) {
 }
 
 TEST(Verify, CoarseScoreApproachesFullScore) {
-  const TriangleMesh mesh = MakeAsymmetric();
+  const DrawableMesh mesh(MakeAsymmetric());
   const ModelShape shape = ShapeOf(mesh);
   Rng rng(3);
   ModelView view;
