@@ -21,10 +21,11 @@ bool IsName(const std::string& text) {
 }
 
 Error BadName(const char* what, const std::string& text) {
-  return {ErrorCode::kInvalidArgument,
-          Format("detections_t.%s is '%.80s', expected up to 64 letters, digits, '_', '-' or '.'",
-                 what,
-                 text.c_str())};
+  return {
+      ErrorCode::kInvalidArgument,
+      Format("detections_v2_t.%s is '%.80s', expected up to 64 letters, digits, '_', '-' or '.'",
+             what,
+             text.c_str())};
 }
 
 Error OutOfRange(const std::string& what, double value, const char* expected) {
@@ -45,13 +46,35 @@ void StorePose(const Pose& pose, double* trans, double* quat) {
   quat[3] = q.z();
 }
 
-Result<Detection> DetectionFromMessage(const detection_t& message) {
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+
+// Finite, symmetric, no negative variance and no correlation beyond 1.
+Result<Matrix6> CovarianceFromMessage(const std::string& owner, const double (&values)[36]) {
+  const Matrix6 covariance = Eigen::Map<const RowMajor6>(values);
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column) {
+      const double value = covariance(row, column);
+      const double variances = covariance(row, row) * covariance(column, column);
+      const bool is_valid = std::isfinite(value) && covariance(row, row) >= 0.0 &&
+                            value * value <= variances * (1.0 + 1e-9) &&
+                            value == covariance(column, row);
+      if (is_valid) continue;
+      return OutOfRange(owner + Format("covariance[%d]", 6 * row + column),
+                        value,
+                        "a value of a symmetric matrix without negative variances");
+    }
+  }
+  return covariance;
+}
+
+Result<Detection> DetectionFromMessage(const detection_v2_t& message) {
   if (message.model_id.empty() || !IsName(message.model_id)) {
     return BadName("detections.model_id", message.model_id);
   }
   Result<Pose> pose = PoseFromWire(message.trans, message.quat);
   if (!pose) return pose.error();
-  const std::string name = "detections_t.detections(" + message.model_id + ").";
+  const std::string name = "detections_v2_t.detections(" + message.model_id + ").";
   if (message.cluster < 0) return OutOfRange(name + "cluster", message.cluster, "0 or more");
   if (!IsFiniteAndNotNegative(message.mse)) {
     return OutOfRange(name + "mse", message.mse, "0 or more");
@@ -62,9 +85,13 @@ Result<Detection> DetectionFromMessage(const detection_t& message) {
   if (!InUnitInterval(message.verification_score)) {
     return OutOfRange(name + "verification_score", message.verification_score, "0 to 1");
   }
+  const Result<Matrix6> covariance = CovarianceFromMessage(name, message.covariance);
+  if (!covariance) return covariance.error();
   return Detection{.model_id = message.model_id,
                    .cluster = message.cluster,
+                   .touches_border = message.touches_border != 0,
                    .T_camera_object = *pose,
+                   .covariance = *covariance,
                    .mse = message.mse,
                    .inlier_fraction = message.inlier_fraction,
                    .verification_score = message.verification_score};
@@ -136,9 +163,9 @@ camera_info_t CameraToMessage(const CameraModel& camera,
   return message;
 }
 
-Result<DetectionSet> DetectionsFromMessage(const detections_t& message,
+Result<DetectionSet> DetectionsFromMessage(const detections_v2_t& message,
                                            const std::string& channel) {
-  if (Result<void> timed = CheckUtime("detections_t.utime", message.utime); !timed) {
+  if (Result<void> timed = CheckUtime("detections_v2_t.utime", message.utime); !timed) {
     return timed.error();
   }
   if (!IsName(message.camera)) return BadName("camera", message.camera);
@@ -146,13 +173,13 @@ Result<DetectionSet> DetectionsFromMessage(const detections_t& message,
   Result<Pose> T_world_camera = PoseFromWire(message.camera_trans, message.camera_quat);
   if (!T_world_camera) return T_world_camera.error();
   if (!IsFiniteAndNotNegative(message.compute_time)) {
-    return OutOfRange("detections_t.compute_time", message.compute_time, "0 s or more");
+    return OutOfRange("detections_v2_t.compute_time", message.compute_time, "0 s or more");
   }
   if (message.num_clusters < 0) {
-    return OutOfRange("detections_t.num_clusters", message.num_clusters, "0 or more");
+    return OutOfRange("detections_v2_t.num_clusters", message.num_clusters, "0 or more");
   }
   if (message.detections.size() > kMaxDetections) {
-    return OutOfRange("detections_t.num_detections", message.num_detections, "10,000 at most");
+    return OutOfRange("detections_v2_t.num_detections", message.num_detections, "10,000 at most");
   }
   DetectionSet set{.utime = message.utime,
                    .seq = message.seq,
@@ -165,7 +192,7 @@ Result<DetectionSet> DetectionsFromMessage(const detections_t& message,
                    .num_clusters = message.num_clusters,
                    .detections = {}};
   set.detections.reserve(message.detections.size());
-  for (const detection_t& each : message.detections) {
+  for (const detection_v2_t& each : message.detections) {
     Result<Detection> detection = DetectionFromMessage(each);
     if (!detection) return detection.error();
     set.detections.push_back(std::move(detection).value());
@@ -173,8 +200,8 @@ Result<DetectionSet> DetectionsFromMessage(const detections_t& message,
   return set;
 }
 
-detections_t DetectionsToMessage(const DetectionSet& set) {
-  detections_t message{};
+detections_v2_t DetectionsToMessage(const DetectionSet& set) {
+  detections_v2_t message{};
   message.utime = set.utime;
   message.seq = set.seq;
   message.camera = set.camera;
@@ -185,10 +212,12 @@ detections_t DetectionsToMessage(const DetectionSet& set) {
   message.num_clusters = set.num_clusters;
   message.num_detections = static_cast<int32_t>(set.detections.size());
   for (const Detection& each : set.detections) {
-    detection_t detection{};
+    detection_v2_t detection{};
     detection.model_id = each.model_id;
     detection.cluster = each.cluster;
+    detection.touches_border = each.touches_border ? 1 : 0;
     StorePose(each.T_camera_object, detection.trans, detection.quat);
+    Eigen::Map<RowMajor6>(detection.covariance) = each.covariance;
     detection.mse = each.mse;
     detection.inlier_fraction = each.inlier_fraction;
     detection.verification_score = each.verification_score;

@@ -7,7 +7,7 @@
 #include "common/result.h"
 #include "common/so3.h"
 #include "vantage/camera_info_t.hpp"
-#include "vantage/detections_t.hpp"
+#include "vantage/detections_v2_t.hpp"
 #include "vantage/rigid_transform_t.hpp"
 
 namespace vantage {
@@ -38,7 +38,7 @@ camera_info_t CameraToMessage(const CameraModel& camera,
 /// Errors: as CheckUtime, names with other characters than letters, digits, '_', '-', '.' or longer
 /// than 64, no model id, more than 10,000 detections, poses as PoseFromWire, negative counts or
 /// indices, values that are not finite or out of range. `channel` goes into the result.
-Result<DetectionSet> DetectionsFromMessage(const detections_t& message, const std::string& channel);
-detections_t DetectionsToMessage(const DetectionSet& set);
+Result<DetectionSet> DetectionsFromMessage(const detections_v2_t& message, const std::string& channel);
+detections_v2_t DetectionsToMessage(const DetectionSet& set);
 
 }  // namespace vantage

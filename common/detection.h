@@ -13,7 +13,11 @@ namespace vantage {
 struct Detection {
   std::string model_id;
   int cluster = 0;  ///< Segment of the image; hypotheses of one exclude each other.
+  bool touches_border = false;  ///< The segment reaches the image's border.
   Pose T_camera_object = Pose::Identity();
+  /// Of the pose's error: rotation vector (rad) and translation of the model's center (m), both in
+  /// the camera's axes.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double mse = 0.0;                 ///< m^2, explained pixels to the model's surface (eq. 4)
   double inlier_fraction = 0.0;     ///< [0, 1], of the visible model pixels confirmed
   double verification_score = 0.0;  ///< [0, 1], inliers less see-through violations

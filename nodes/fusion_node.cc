@@ -13,7 +13,7 @@
 #include "nodes/fusion_messages.h"
 #include "nodes/fusion_state_file.h"
 #include "vantage/arm_status_t.hpp"
-#include "vantage/detections_t.hpp"
+#include "vantage/detections_v2_t.hpp"
 #include "vantage/rigid_transform_t.hpp"
 
 namespace vantage {
@@ -52,7 +52,7 @@ class FusionNode : public Node {
         });
   }
 
-  void OnDetections(const std::string& channel, const detections_t& message) {
+  void OnDetections(const std::string& channel, const detections_v2_t& message) {
     const Result<DetectionSet> set = DetectionsFromMessage(message, channel);
     if (!set) return ReportDropped(set.error().message);
     const auto start = std::chrono::steady_clock::now();

@@ -5,7 +5,7 @@
 
 #include "bus/conversions.h"
 #include "common/format.h"
-#include "vantage/detections_t.hpp"
+#include "vantage/detections_v2_t.hpp"
 
 namespace vantage {
 namespace {

@@ -21,7 +21,7 @@
 
 namespace vantage {
 
-/// vantage-ppf: detections_t on DETECTIONS_<NAME> for every image of its camera taken at rest, also
+/// vantage-ppf: detections_v2_t on DETECTIONS_<NAME> for every image of its camera taken at rest, also
 /// when nothing was found in it. NAME is the process's in capitals.
 class PpfNode : public Node {
  public:

@@ -23,7 +23,7 @@
 #include "tools/support/run_metrics.h"
 #include "vantage/arm_status_t.hpp"
 #include "vantage/camera_status_t.hpp"
-#include "vantage/detections_t.hpp"
+#include "vantage/detections_v2_t.hpp"
 #include "vantage/next_view_t.hpp"
 #include "vantage/object_estimates_v2_t.hpp"
 #include "vantage/process_status_t.hpp"
@@ -76,7 +76,7 @@ class Progress {
   void OnArm(const arm_status_t& message);
   void OnNextView(const next_view_t& message);
   void OnObjects(const object_estimates_v2_t& message);
-  void OnDetections(const detections_t& /*message*/) { ++num_detections_; }
+  void OnDetections(const detections_v2_t& /*message*/) { ++num_detections_; }
   void Say(const std::string& line) const;
   [[nodiscard]] std::string DescribeObject(const object_estimate_v2_t& object,
                                            const std::map<size_t, int32_t>& matches) const;

@@ -318,7 +318,9 @@ PpfEstimator::Output PpfEstimator::Estimate(const DepthImage& depth,
     for (const Hypothesis& hypothesis : hypotheses) {
       output.detections.push_back({models_[hypothesis.model].model.object.id,
                                    static_cast<int>(cluster),
+                                   segmentation.clusters[cluster].touches_border,
                                    hypothesis.T_camera_object,
+                                   {},
                                    hypothesis.verification.mse,
                                    hypothesis.verification.inlier_fraction(),
                                    hypothesis.verification.score()});

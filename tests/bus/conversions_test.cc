@@ -104,6 +104,13 @@ TEST(CameraConversion, RefusesHostileValues) {
   }
 }
 
+Eigen::Matrix<double, 6, 6> RandomCovariance(Rng& rng) {
+  Eigen::Matrix<double, 6, 6> root;
+  for (double& value : root.reshaped()) value = rng.Normal();
+  const Eigen::Matrix<double, 6, 6> product = root * root.transpose();
+  return 0.5 * (product + product.transpose());
+}
+
 DetectionSet SomeDetections() {
   Rng rng(2);
   DetectionSet set{.utime = 1,
@@ -119,7 +126,9 @@ DetectionSet SomeDetections() {
   for (int i = 0; i < 3; ++i) {
     set.detections.push_back({.model_id = "mug_" + std::to_string(i),
                               .cluster = i,
+                              .touches_border = i == 1,
                               .T_camera_object = RandomPose(rng),
+                              .covariance = RandomCovariance(rng),
                               .mse = 1e-6,
                               .inlier_fraction = 0.75,
                               .verification_score = 0.5});
@@ -129,8 +138,8 @@ DetectionSet SomeDetections() {
 
 TEST(DetectionConversion, RoundTripsOverTheWire) {
   const DetectionSet set = SomeDetections();
-  const Result<detections_t> message =
-      DecodeChecked<detections_t>(Encode(DetectionsToMessage(set)));
+  const Result<detections_v2_t> message =
+      DecodeChecked<detections_v2_t>(Encode(DetectionsToMessage(set)));
   ASSERT_TRUE(message.ok()) << message.error().message;
   const Result<DetectionSet> result = DetectionsFromMessage(message.value(), "DETECTIONS_PPF");
   ASSERT_TRUE(result.ok()) << result.error().message;
@@ -148,6 +157,8 @@ TEST(DetectionConversion, RoundTripsOverTheWire) {
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(back.detections[i].model_id, set.detections[i].model_id);
     EXPECT_EQ(back.detections[i].cluster, set.detections[i].cluster);
+    EXPECT_EQ(back.detections[i].touches_border, i == 1);
+    EXPECT_EQ(back.detections[i].covariance, set.detections[i].covariance);
     EXPECT_EQ(back.detections[i].mse, 1e-6);
     EXPECT_EQ(back.detections[i].inlier_fraction, 0.75);
     EXPECT_EQ(back.detections[i].verification_score, 0.5);
@@ -165,28 +176,35 @@ TEST(DetectionConversion, EmptyIsNormal) {
 }
 
 TEST(DetectionConversion, RefusesHostileValues) {
-  const std::vector<std::function<void(detections_t*)>> attacks = {
-      [](detections_t* m) { m->utime = kMinTime; },
-      [](detections_t* m) { m->utime = kMaxTime; },
-      [](detections_t* m) { m->camera = "../XTION"; },
-      [](detections_t* m) { m->estimator = std::string(65, 'a'); },
-      [](detections_t* m) { m->camera_quat[2] = kNan; },
-      [](detections_t* m) { m->compute_time = -1.0; },
-      [](detections_t* m) { m->compute_time = kNan; },
-      [](detections_t* m) { m->num_clusters = -1; },
-      [](detections_t* m) { m->detections.resize(10'001, m->detections[0]); },
-      [](detections_t* m) { m->detections[1].model_id = ""; },
-      [](detections_t* m) { m->detections[1].model_id = "a/b"; },
-      [](detections_t* m) { m->detections[1].cluster = -1; },
-      [](detections_t* m) { m->detections[1].quat[0] = 5.0; },
-      [](detections_t* m) { m->detections[1].trans[0] = kInf; },
-      [](detections_t* m) { m->detections[1].mse = -1e-9; },
-      [](detections_t* m) { m->detections[1].mse = kInf; },
-      [](detections_t* m) { m->detections[1].inlier_fraction = kNan; },
-      [](detections_t* m) { m->detections[1].inlier_fraction = 1.1; },
-      [](detections_t* m) { m->detections[1].verification_score = -0.1; }};
+  const std::vector<std::function<void(detections_v2_t*)>> attacks = {
+      [](detections_v2_t* m) { m->utime = kMinTime; },
+      [](detections_v2_t* m) { m->utime = kMaxTime; },
+      [](detections_v2_t* m) { m->camera = "../XTION"; },
+      [](detections_v2_t* m) { m->estimator = std::string(65, 'a'); },
+      [](detections_v2_t* m) { m->camera_quat[2] = kNan; },
+      [](detections_v2_t* m) { m->compute_time = -1.0; },
+      [](detections_v2_t* m) { m->compute_time = kNan; },
+      [](detections_v2_t* m) { m->num_clusters = -1; },
+      [](detections_v2_t* m) { m->detections.resize(10'001, m->detections[0]); },
+      [](detections_v2_t* m) { m->detections[1].model_id = ""; },
+      [](detections_v2_t* m) { m->detections[1].model_id = "a/b"; },
+      [](detections_v2_t* m) { m->detections[1].cluster = -1; },
+      [](detections_v2_t* m) { m->detections[1].quat[0] = 5.0; },
+      [](detections_v2_t* m) { m->detections[1].trans[0] = kInf; },
+      [](detections_v2_t* m) { m->detections[1].covariance[0] = -1e-9; },
+      [](detections_v2_t* m) { m->detections[1].covariance[35] = kNan; },
+      [](detections_v2_t* m) { m->detections[1].covariance[7] = kInf; },
+      [](detections_v2_t* m) { m->detections[1].covariance[1] += 1.0; },
+      [](detections_v2_t* m) {
+        m->detections[1].covariance[1] = m->detections[1].covariance[6] = 1e9;
+      },
+      [](detections_v2_t* m) { m->detections[1].mse = -1e-9; },
+      [](detections_v2_t* m) { m->detections[1].mse = kInf; },
+      [](detections_v2_t* m) { m->detections[1].inlier_fraction = kNan; },
+      [](detections_v2_t* m) { m->detections[1].inlier_fraction = 1.1; },
+      [](detections_v2_t* m) { m->detections[1].verification_score = -0.1; }};
   for (size_t i = 0; i < attacks.size(); ++i) {
-    detections_t message = DetectionsToMessage(SomeDetections());
+    detections_v2_t message = DetectionsToMessage(SomeDetections());
     attacks[i](&message);
     EXPECT_FALSE(DetectionsFromMessage(message, "D").ok()) << i;
   }

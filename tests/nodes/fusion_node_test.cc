@@ -144,7 +144,7 @@ class World {
   Rng rng_;
   std::map<std::string, Pose> truth_;
   Pose T_world_camera_;
-  detections_t last_{};
+  detections_v2_t last_{};
   int64_t utime_ = 1'700'000'000'000'000;
   int64_t seq_ = 0;
   int64_t view_seq_ = -1;
@@ -296,7 +296,7 @@ TEST_F(FusionNodeTest, ABadSetIsDroppedAndReported) {
   World world(bus);
   world.Frame();
   const size_t count = bus.Count("OBJECTS");
-  detections_t bad = world.last_;
+  detections_v2_t bad = world.last_;
   bad.seq += 1;
   bad.camera_quat[0] = 7.0;
   bus.Send("DETECTIONS_PPF", bad);
@@ -325,7 +325,7 @@ TEST_F(FusionNodeTest, AFailedSaveIsToldUntilOneSucceeds) {
   world.Frame();
   EXPECT_NE(bus.state().find("can't write the state file"), std::string::npos) << bus.state();
   // A bad set and its end leave that as it is.
-  detections_t bad = world.last_;
+  detections_v2_t bad = world.last_;
   bad.camera_quat[0] = 7.0;
   bus.Send("DETECTIONS_PPF", bad);
   EXPECT_NE(bus.state().find("quaternion"), std::string::npos) << bus.state();
@@ -353,7 +353,7 @@ TEST_F(FusionNodeTest, TimesThatCantBeAreDroppedAndReported) {
     EXPECT_NE(bus.state().find("ARM_STATUS has the utime"), std::string::npos) << bus.state();
     bus.Send("CAMERA_XTION_TO_WORLD", PoseToMessage(Pose::Identity(), utime));
     EXPECT_NE(bus.state().find("_TO_WORLD has the utime"), std::string::npos) << bus.state();
-    detections_t set = world.last_;
+    detections_v2_t set = world.last_;
     set.utime = utime;
     set.seq += 1;
     bus.Send("DETECTIONS_PPF", set);

@@ -106,13 +106,13 @@ class PpfHostileValues : public HostileValues {
     ASSERT_TRUE(estimator.ok()) << estimator.error().message;
     auto node = PpfNode::Create(*bus, config, "ppf", std::move(estimator).value());
     ASSERT_TRUE(node.ok());
-    const auto check = [this](const Envelope&, const detections_t& message) {
+    const auto check = [this](const Envelope&, const detections_v2_t& message) {
       const Result<DetectionSet> set = DetectionsFromMessage(message, "DETECTIONS_PPF");
       EXPECT_TRUE(set.ok()) << set.error().message;
       found.insert(message.image_seq);
       num_clusters += message.num_clusters;
     };
-    ASSERT_TRUE(bus->Subscribe<detections_t>("DETECTIONS_PPF", {}, check).ok());
+    ASSERT_TRUE(bus->Subscribe<detections_v2_t>("DETECTIONS_PPF", {}, check).ok());
     ASSERT_TRUE(bus->Run().ok());
     for (const int64_t each : expected) EXPECT_TRUE(found.contains(each)) << "image " << each;
     EXPECT_GT(num_clusters, 0);
@@ -166,7 +166,7 @@ class FusionHostileValues : public HostileValues {
     return config;
   }
 
-  detections_t Detections() {
+  detections_v2_t Detections() {
     const double angle = 0.7 * static_cast<double>(seq);
     const Pose T_world_camera =
         LookAt({0.6 * std::cos(angle), 0.6 * std::sin(angle), 0.5}, {0.0, 0.0, 0.05});

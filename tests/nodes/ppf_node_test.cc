@@ -11,7 +11,7 @@
 #include "common/depth_rasterizer.h"
 #include "perception/model/model_builder.h"
 #include "perception/model/model_generator.h"
-#include "vantage/detections_t.hpp"
+#include "vantage/detections_v2_t.hpp"
 
 namespace vantage {
 namespace {
@@ -88,12 +88,12 @@ class PpfNodeTest : public testing::Test {
     ASSERT_TRUE(config.ok());
     auto node = MakePpfNode(*bus, *config, {"ppf", false});
     ASSERT_TRUE(node.ok()) << node.error().message;
-    ASSERT_TRUE(bus->Subscribe<detections_t>("DETECTIONS_PPF",
-                                             {},
-                                             [this](const Envelope&, const detections_t& message) {
-                                               sets.push_back(message);
-                                             })
-                    .ok());
+    ASSERT_TRUE(
+        bus->Subscribe<detections_v2_t>(
+               "DETECTIONS_PPF",
+               {},
+               [this](const Envelope&, const detections_v2_t& message) { sets.push_back(message); })
+            .ok());
     ASSERT_TRUE(bus->Run().ok());
     if (writer) {
       ASSERT_TRUE(writer->Close().ok());
@@ -125,7 +125,7 @@ class PpfNodeTest : public testing::Test {
   Pose T_world_object{Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())};
   std::unique_ptr<EventLogWriter> log;
   std::unique_ptr<LogBus> bus;
-  std::vector<detections_t> sets;
+  std::vector<detections_v2_t> sets;
 };
 
 TEST_F(PpfNodeTest, PublishesEveryImageAtRestAlsoWhenEmpty) {
@@ -238,7 +238,7 @@ TEST_F(PpfNodeTest, ResultsDoNotDependOnEarlierImagesAndRunsAreEqual) {
   };
   write(true);
   Run(Config(), folder / "a.log");
-  const std::vector<detections_t> first = sets;
+  const std::vector<detections_v2_t> first = sets;
   ASSERT_EQ(first.size(), 2U);
   sets.clear();
   SetUp();
@@ -250,7 +250,7 @@ TEST_F(PpfNodeTest, ResultsDoNotDependOnEarlierImagesAndRunsAreEqual) {
   write(false);
   Run();
   ASSERT_EQ(sets.size(), 1U);
-  detections_t alone = sets[0];
+  detections_v2_t alone = sets[0];
   alone.seq = first[1].seq;
   EXPECT_EQ(Encode(alone), Encode(first[1]));
 }

@@ -25,7 +25,7 @@ class RunReader {
       auto message = DecodeChecked<object_estimates_v2_t>(event.data);
       if (message) OnObjects(std::move(message).value());
     } else if (event.channel.starts_with("DETECTIONS_")) {
-      const auto message = DecodeChecked<detections_t>(event.data);
+      const auto message = DecodeChecked<detections_v2_t>(event.data);
       if (!message) return;
       const Result<DetectionSet> set = DetectionsFromMessage(*message, event.channel);
       if (set) latest_sets_[{event.channel, set->seq}] = *set;

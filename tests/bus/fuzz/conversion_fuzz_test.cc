@@ -98,7 +98,7 @@ TEST(ConversionFuzz, Detections) {
                             .mse = 1e-6,
                             .inlier_fraction = 0.5,
                             .verification_score = 0.5});
-  const int refused = CountRefused(DetectionsToMessage(set), [](const detections_t& message) {
+  const int refused = CountRefused(DetectionsToMessage(set), [](const detections_v2_t& message) {
     const Result<DetectionSet> back = DetectionsFromMessage(message, "D");
     if (!back) return false;
     EXPECT_TRUE(IsPlausibleUtime(back->utime));
