@@ -167,11 +167,13 @@ Segmentation Segment(const DepthImage& depth,
   VANTAGE_CHECK(depth.width == camera.width && depth.height == camera.height,
                 "depth image and camera differ in size");
   Segmentation result;
+  std::optional<SupportPlane> plane;
   if (parameters.support == SegmentationParameters::Support::kAuto) {
-    result.plane = FindSupportPlane(
+    plane = FindSupportPlane(
         SparsePoints(depth, camera, parameters), parameters.noise, parameters.plane, rng);
   }
-  const std::vector<uint8_t> mask = ForegroundMask(depth, camera, result.plane, parameters);
+  if (plane) result.planes.push_back(*plane);
+  const std::vector<uint8_t> mask = ForegroundMask(depth, camera, plane, parameters);
   DisjointSets sets = Connect(depth, camera, mask, parameters);
 
   std::vector<uint32_t> sizes(mask.size(), 0);
@@ -190,6 +192,7 @@ Segmentation Segment(const DepthImage& depth,
   for (size_t i = 0; i < roots.size(); ++i) {
     result.labels[roots[i]] = static_cast<int32_t>(i);
     result.clusters[i].pixels.reserve(sizes[roots[i]]);
+    result.clusters[i].first_label = result.clusters[i].last_label = static_cast<int32_t>(i);
   }
   // A root is the smallest index of its set, so its label is there before it is asked for.
   for (uint32_t i = 0; i < mask.size(); ++i) {
@@ -206,6 +209,13 @@ Segmentation Segment(const DepthImage& depth,
         cluster.touches_border || u == 0 || v == 0 || u == depth.width - 1 || v == depth.height - 1;
   }
   return result;
+}
+
+const Segmentation& Segmenter::Segment(const DepthImage& depth,
+                                       const CameraModel& camera,
+                                       Rng& rng) {
+  result_ = vantage::Segment(depth, camera, parameters_, rng);
+  return result_;
 }
 
 }  // namespace vantage

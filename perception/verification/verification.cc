@@ -93,7 +93,7 @@ Verification Verify(const ModelShape& model,
                     ModelView* view) {
   const CameraModel& camera = image.camera;
   const std::vector<int32_t>& labels = image.segmentation.labels;
-  const auto own = static_cast<int32_t>(cluster);
+  const Cluster& own = image.segmentation.clusters[cluster];
   const Eigen::Matrix3f R = T_camera_object.linear().cast<float>();
   Verification result;
   double squared = 0.0;
@@ -111,7 +111,7 @@ Verification Verify(const ModelShape& model,
       ++result.inliers;
       squared += error * error * at.along * at.along;
       result.cost += 0.5 * error * error / (at.sigma * at.sigma);
-    } else if (error < 0.0 && labels[at.index] != own && labels[at.index] >= 0) {
+    } else if (error < 0.0 && !own.Holds(labels[at.index]) && labels[at.index] >= 0) {
       ++result.occluded;
     } else if (MeasuredNearby(
                    image.depth, pixel.u, pixel.v, parameters.edge_px, at.rendered, tolerance)) {

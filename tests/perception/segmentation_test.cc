@@ -40,10 +40,10 @@ TEST(Segmentation, FindsObjectsOnTableAndNothingElse) {
   Rng rng(1);
   AddNoise(kCamera.fx, 0.0014, 0.125, rng, &scene.depth);
   const Segmentation result = Segment(scene.depth, kCamera, {}, rng);
-  ASSERT_TRUE(result.plane.has_value());
+  ASSERT_EQ(result.planes.size(), 1U);
   const Eigen::Vector3d up = scene.T_world_camera.linear().transpose() * Eigen::Vector3d::UnitZ();
-  EXPECT_LT(std::acos(std::min(1.0, result.plane->normal.dot(up))), 0.3 * kDegree);
-  EXPECT_NEAR(result.plane->offset, -0.6, 0.002);
+  EXPECT_LT(std::acos(std::min(1.0, result.planes[0].normal.dot(up))), 0.3 * kDegree);
+  EXPECT_NEAR(result.planes[0].offset, -0.6, 0.002);
   ASSERT_EQ(result.clusters.size(), 2U);
   std::set<uint32_t> objects;
   for (const Cluster& cluster : result.clusters) {
@@ -100,7 +100,7 @@ TEST(Segmentation, FacesOfAnObjectAloneAreNoSupport) {
   const DepthImage depth = ToImage(rasterizer);
   Rng rng(1);
   const Segmentation result = Segment(depth, kCamera, {}, rng);
-  EXPECT_FALSE(result.plane.has_value());
+  EXPECT_TRUE(result.planes.empty());
   ASSERT_EQ(result.clusters.size(), 1U);
   const auto valid =
       std::count_if(depth.depth.begin(), depth.depth.end(), [](float z) { return z > 0.0F; });
