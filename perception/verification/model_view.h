@@ -1,13 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
-#include <span>
+#include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "common/camera_model.h"
 #include "common/depth_rasterizer.h"
 #include "common/so3.h"
 #include "perception/verification/drawable_mesh.h"
+#include "perception/verification/simd_path.h"
 
 namespace vantage {
 
@@ -19,9 +21,12 @@ struct ModelShape {
   double radius;           ///< m, of the smallest ball about the center that holds the mesh
 };
 
-/// Every `step`-th pixel of a window of a camera's image, drawn with one model in a pose.
+/// Every `step`-th pixel of a window of a camera's image, drawn with one model in a pose. Allocates
+/// nothing once it has drawn as large a window and mesh.
 class ModelView {
  public:
+  explicit ModelView(SimdPath path = BestSimdPath()) : path_(path) {}
+
   /// @param window in the camera's pixels; what is outside the image is cut off.
   /// @param step >= 1; only pixels whose u and v are its multiples are drawn.
   void Render(const DrawableMesh& mesh,
@@ -32,38 +37,74 @@ class ModelView {
 
   /// One drawn pixel.
   struct Pixel {
-    int u;        ///< px, of the camera's image
-    int v;        ///< px
-    float depth;  ///< m
-    uint32_t triangle;
+    int u;                 ///< px, of the camera's image
+    int v;                 ///< px
+    float depth;           ///< m, along z
+    uint32_t triangle;     ///< an id for DrawableMesh::normal
+    float plane_distance;  ///< m >= 0, of the camera from the triangle's plane: of a step of 1 m
+                           ///< along the ray's z the part along the normal is this over depth
   };
   /// Calls `visit(Pixel)` for every pixel that shows the model, row by row.
   template <class Visit>
   void ForEachPixel(Visit visit) const {
-    if (empty()) return;
-    const std::span<const float> depth = rasterizer_->depth();
-    const std::span<const uint32_t> triangles = rasterizer_->triangle_ids();
     for (int j = touched_.v0; j <= touched_.v1; ++j) {
       for (int i = touched_.u0; i <= touched_.u1; ++i) {
-        const size_t index = static_cast<size_t>(j * width_ + i);
-        if (depth[index] == DepthRasterizer::kEmpty) continue;
-        visit(Pixel{u0_ + i * step_, v0_ + j * step_, depth[index], triangles[index]});
+        const size_t index = Index(i, j);
+        if (inverse_depth_[index] == 0.0F) continue;
+        const uint32_t triangle = triangles_[index];
+        visit(Pixel{u0_ + i * step_,
+                    v0_ + j * step_,
+                    1.0F / inverse_depth_[index],
+                    triangle,
+                    std::abs(plane_distance_[triangle])});
       }
     }
   }
-  /// True when the drawn pixel nearest below (u, v), or one at most `margin` px away, shows the
-  /// model.
-  [[nodiscard]] bool Shows(int u, int v, int margin) const;
-  [[nodiscard]] bool empty() const { return !rasterizer_ || touched_.empty(); }
+  [[nodiscard]] bool empty() const { return touched_.empty(); }
+
+  /// Drawn pixels that may show the model; pixel (i, j) is the camera's (u0() + i step(),
+  /// v0() + j step()).
+  [[nodiscard]] const PixelWindow& touched() const { return touched_; }
+  [[nodiscard]] int u0() const { return u0_; }
+  [[nodiscard]] int v0() const { return v0_; }
+  [[nodiscard]] int step() const { return step_; }
+  /// Of a drawn pixel, in the buffers; eight values from there on may be read.
+  [[nodiscard]] size_t Index(int i, int j) const {
+    return static_cast<size_t>(j) * static_cast<size_t>(stride_) + static_cast<size_t>(i);
+  }
+  [[nodiscard]] size_t stride() const { return static_cast<size_t>(stride_); }
+  /// 1/m; 0 where the model is not seen.
+  [[nodiscard]] const float* inverse_depth() const { return inverse_depth_.data(); }
+  /// Triangles' ids, where inverse_depth() is not 0.
+  [[nodiscard]] const uint32_t* triangles() const { return triangles_.data(); }
+  /// m, of the camera from the planes of drawn triangles, by id; negative when it is behind.
+  [[nodiscard]] const float* plane_distance() const { return plane_distance_.data(); }
+  [[nodiscard]] SimdPath path() const { return path_; }
+
+  /// Drawn pixels, row by row: 1 where the model is seen no more than `reach` of them away along
+  /// rows and columns. The window may reach over the drawn one. Valid until the next call.
+  struct Reached {
+    PixelWindow window;
+    const uint8_t* pixels;
+    [[nodiscard]] const uint8_t* row(int j) const {
+      return pixels + static_cast<ptrdiff_t>(j - window.v0) * (window.u1 - window.u0 + 1);
+    }
+  };
+  Reached Reach(int reach);
 
  private:
-  std::optional<DepthRasterizer> rasterizer_;
-  PixelWindow touched_;  // In drawn pixels.
+  void Clear();
+
+  SimdPath path_;
+  std::vector<float> inverse_depth_;  // All 0 but for touched_.
+  std::vector<uint32_t> triangles_;
+  std::vector<float> plane_distance_;
+  std::vector<uint8_t> reached_;  // Scratch of Reach().
+  PixelWindow touched_;
   int u0_ = 0;
   int v0_ = 0;
   int step_ = 1;
-  int width_ = 0;
-  int height_ = 0;
+  int stride_ = 0;
 };
 
 /// Pixels in which a ball may be seen, cut to the image; empty when it is outside or not wholly in

@@ -3,61 +3,100 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/check.h"
 #include "common/format.h"
+#include "common/simd.h"
+#include "perception/verification/compare.h"
 
 namespace vantage {
 namespace {
 
-// True when a pixel near (u, v) measures `depth` within `tolerance`: the silhouette is uncertain.
-bool MeasuredNearby(
-    const DepthImage& image, int u, int v, int reach, double depth, double tolerance) {
-  for (int dv = -reach; dv <= reach; ++dv) {
-    for (int du = -reach; du <= reach; ++du) {
-      if (!image.Contains(u + du, v + dv)) continue;
-      if (std::abs(static_cast<double>(image.at(u + du, v + dv)) - depth) <= tolerance) return true;
-    }
+// Of `count` pixels those that are marked and carry one of the labels.
+VANTAGE_SIMD int CountMarked(
+    const uint8_t* marks, const int32_t* labels, size_t count, int32_t first, int32_t last) {
+  int sum = 0;
+  for (size_t i = 0; i < count; ++i) {
+    sum += static_cast<int>(marks[i]) & static_cast<int>(labels[i] >= first) &
+           static_cast<int>(labels[i] <= last);
   }
-  return false;
+  return sum;
 }
 
-// Standard deviation along the line of sight at a surface seen under a cosine.
-double SigmaAlongRay(const VerificationParameters& parameters,
-                     double focal,
-                     double depth,
-                     double cosine) {
-  constexpr double kSteepest = 5.0;  // Tangent; steeper surfaces are silhouettes.
-  const double tangent =
-      std::min(std::sqrt(std::max(1.0 - cosine * cosine, 0.0)) / std::max(cosine, 1e-3), kSteepest);
-  const double axial = parameters.noise.Axial(depth);
-  const double lateral = parameters.noise.Lateral(depth, focal) * tangent;
-  return std::sqrt(axial * axial + lateral * lateral +
-                   parameters.model_error * parameters.model_error);
+// Where the model was drawn, in pixels of the level.
+PixelWindow DrawnWindow(const ModelView& view) {
+  const PixelWindow& drawn = view.touched();
+  const int i0 = view.u0() / view.step();
+  const int j0 = view.v0() / view.step();
+  return {drawn.u0 + i0, drawn.v0 + j0, drawn.u1 + i0, drawn.v1 + j0};
 }
 
-// What is measured where the model would be seen.
-struct Comparison {
-  size_t index;     // Of the pixel.
-  double measured;  // m; not above 0, or NaN, where nothing is
-  double rendered;  // m
-  double along;     // Of a step of 1 m along z, the part along the surface's normal.
-  double sigma;     // m, along z
-};
+PixelWindow Widened(const PixelWindow& window, int by) {
+  return {window.u0 - by, window.v0 - by, window.u1 + by, window.v1 + by};
+}
 
-Comparison Compare(const ModelShape& model,
-                   const Eigen::Matrix3f& R_camera_object,
-                   const ModelView::Pixel& pixel,
-                   const SegmentedImage& image,
-                   const VerificationParameters& parameters) {
-  Comparison result{};
-  result.index = image.depth.Index(pixel.u, pixel.v);
-  result.measured = static_cast<double>(image.depth.depth[result.index]);
-  result.rendered = static_cast<double>(pixel.depth);
-  const Eigen::Vector3f ray = image.camera.Unproject(pixel.u, pixel.v, 1.0).cast<float>();
-  const Eigen::Vector3f normal = VisibleNormal(model.mesh, R_camera_object, pixel.triangle, ray);
-  result.along = static_cast<double>(-normal.dot(ray));
-  const double cosine = result.along / static_cast<double>(ray.norm());
-  result.sigma = SigmaAlongRay(parameters, image.camera.fx, result.rendered, cosine);
-  return result;
+// Pixels of the cluster that the model reaches, but for the silhouette's uncertainty.
+int CountReached(const ObservedImage::Level& level,
+                 const Cluster& cluster,
+                 int reach,
+                 ModelView* view) {
+  const ModelView::Reached reached = view->Reach(reach);
+  const PixelWindow window = Widened(DrawnWindow(*view), reach);
+  const int j0 = window.v0 - reached.window.v0;
+  const int first = std::max(window.u0, 0);
+  const int last = std::min(window.u1, level.width - 1);
+  int count = 0;
+  for (int j = std::max(window.v0, 0); j <= std::min(window.v1, level.height - 1); ++j) {
+    count += CountMarked(reached.row(j - j0) + (first - window.u0),
+                         &level.labels[level.Index(first, j)],
+                         static_cast<size_t>(last - first + 1),
+                         cluster.first_label,
+                         cluster.last_label);
+  }
+  return count;
+}
+
+CompareJob MakeJob(const ObservedImage& image,
+                   const ObservedImage::Level& level,
+                   const VerificationParameters& parameters,
+                   const ModelView& view) {
+  const CameraModel& camera = image.image().camera;
+  const PixelWindow& drawn = view.touched();
+  const PixelWindow window = DrawnWindow(view);
+  const size_t drawn_first = view.Index(drawn.u0, drawn.v0);
+  const size_t first = level.Index(window.u0, window.v0);
+  CompareJob job{};
+  job.columns = window.u1 - window.u0 + 1;
+  job.rows = window.v1 - window.v0 + 1;
+  job.inverse_depth = view.inverse_depth() + drawn_first;
+  job.triangles = view.triangles() + drawn_first;
+  job.plane_distance = view.plane_distance();
+  job.drawn_stride = view.stride();
+  job.depth = level.depth.data() + first;
+  job.nearest = level.nearest.data() + first;
+  job.farthest = level.farthest.data() + first;
+  job.labels = level.labels.data() + first;
+  job.stride = level.stride;
+  job.image = image.image().depth.depth.data();
+  job.image_width = camera.width;
+  job.image_height = camera.height;
+  job.step = view.step();
+  job.u0 = window.u0 * job.step;
+  job.v0 = window.v0 * job.step;
+  job.edge_px = image.edge_px();
+  job.ray_x = static_cast<float>((job.u0 - camera.cx) / camera.fx);
+  job.ray_y = static_cast<float>((job.v0 - camera.cy) / camera.fy);
+  job.ray_dx = static_cast<float>(job.step / camera.fx);
+  job.ray_dy = static_cast<float>(job.step / camera.fy);
+  const DepthNoise& noise = parameters.noise;
+  job.axial_base = static_cast<float>(noise.axial_base);
+  job.axial_quadratic = static_cast<float>(noise.axial_quadratic);
+  job.axial_offset = static_cast<float>(noise.axial_offset);
+  job.lateral = static_cast<float>(noise.Lateral(1.0, camera.fx));
+  job.model_variance = static_cast<float>(parameters.model_error * parameters.model_error);
+  job.squared_sigmas = static_cast<float>(parameters.inlier_sigmas * parameters.inlier_sigmas);
+  job.outlier_cost = parameters.outlier_cost;
+  job.bound = std::numeric_limits<double>::infinity();
+  return job;
 }
 
 }  // namespace
@@ -86,51 +125,69 @@ Result<void> VerificationParameters::Validate() const {
 
 Verification Verify(const ModelShape& model,
                     const Pose& T_camera_object,
+                    ObservedImage* image,
+                    size_t cluster,
+                    int step,
+                    const VerificationParameters& parameters,
+                    ModelView* view,
+                    double bound) {
+  VANTAGE_CHECK(image->edge_px() == parameters.edge_px, "image taken up with the same edge_px");
+  const CameraModel& camera = image->image().camera;
+  const Cluster& own = image->image().segmentation.clusters[cluster];
+  Verification result;
+  view->Render(
+      model.mesh, T_camera_object, camera, ModelWindow(camera, model, T_camera_object), step);
+  result.unexplained = image->ClusterSize(step, cluster);
+  if (view->empty()) {
+    result.cost = parameters.outlier_cost * result.unexplained;
+    return result;
+  }
+  const int reach = parameters.edge_px / step;
+  const ObservedImage::Level& level = image->Prepare(step, Widened(DrawnWindow(*view), reach));
+  result.unexplained -= CountReached(level, own, reach, view);
+  result.cost = parameters.outlier_cost * result.unexplained;
+  if (result.cost > bound) return result;
+  CompareJob job = MakeJob(*image, level, parameters, *view);
+  job.first_label = own.first_label;
+  job.last_label = own.last_label;
+  job.bound = bound;
+  const Compared compared = Compare(job, result.cost, view->path());
+  result.inliers = compared.inliers;
+  result.occluded = compared.occluded;
+  result.seen_through = compared.seen_through;
+  result.in_front = compared.in_front;
+  result.missing = compared.missing;
+  result.edge = compared.edge;
+  result.cost = compared.cost;
+  if (result.inliers > 0) result.mse = compared.squared / result.inliers;
+  return result;
+}
+
+Verification Verify(const ModelShape& model,
+                    const Pose& T_camera_object,
                     const SegmentedImage& image,
                     size_t cluster,
                     int step,
                     const VerificationParameters& parameters,
                     ModelView* view) {
-  const CameraModel& camera = image.camera;
-  const std::vector<int32_t>& labels = image.segmentation.labels;
-  const Cluster& own = image.segmentation.clusters[cluster];
-  const Eigen::Matrix3f R = T_camera_object.linear().cast<float>();
-  Verification result;
-  double squared = 0.0;
-  view->Render(
-      model.mesh, T_camera_object, camera, ModelWindow(camera, model, T_camera_object), step);
-  view->ForEachPixel([&](const ModelView::Pixel& pixel) {
-    const Comparison at = Compare(model, R, pixel, image, parameters);
-    if (!(at.measured > 0.0)) {
-      ++result.missing;
-      return;
-    }
-    const double error = at.measured - at.rendered;
-    const double tolerance = parameters.inlier_sigmas * at.sigma;
-    if (std::abs(error) <= tolerance) {
-      ++result.inliers;
-      squared += error * error * at.along * at.along;
-      result.cost += 0.5 * error * error / (at.sigma * at.sigma);
-    } else if (error < 0.0 && !own.Holds(labels[at.index]) && labels[at.index] >= 0) {
-      ++result.occluded;
-    } else if (MeasuredNearby(
-                   image.depth, pixel.u, pixel.v, parameters.edge_px, at.rendered, tolerance)) {
-      ++result.edge;
-      result.cost += 1.0;
-    } else {
-      ++(error < 0.0 ? result.in_front : result.seen_through);
-      result.cost += parameters.outlier_cost;
-    }
-  });
-  for (const uint32_t index : image.segmentation.clusters[cluster].pixels) {
-    const int u = static_cast<int>(index) % camera.width;
-    const int v = static_cast<int>(index) / camera.width;
-    if (u % step != 0 || v % step != 0 || view->Shows(u, v, parameters.edge_px)) continue;
-    ++result.unexplained;
-    result.cost += parameters.outlier_cost;
-  }
-  if (result.inliers > 0) result.mse = squared / result.inliers;
-  return result;
+  ObservedImage observed;
+  observed.Reset(image, parameters.edge_px);
+  return Verify(model, T_camera_object, &observed, cluster, step, parameters, view);
+}
+
+void MarkExplained(const ModelShape& model,
+                   const Pose& T_camera_object,
+                   ObservedImage* image,
+                   const VerificationParameters& parameters,
+                   ModelView* view,
+                   std::vector<uint8_t>* explained) {
+  const CameraModel& camera = image->image().camera;
+  VANTAGE_CHECK(explained->size() == image->image().depth.depth.size(), "a mark for each pixel");
+  view->Render(model.mesh, T_camera_object, camera, ModelWindow(camera, model, T_camera_object), 1);
+  if (view->empty()) return;
+  CompareJob job = MakeJob(*image, image->Prepare(1, DrawnWindow(*view)), parameters, *view);
+  job.explained = explained->data();
+  Compare(job, 0.0, view->path());
 }
 
 void MarkExplained(const ModelShape& model,
@@ -139,18 +196,9 @@ void MarkExplained(const ModelShape& model,
                    const VerificationParameters& parameters,
                    ModelView* view,
                    std::vector<uint8_t>* explained) {
-  const Eigen::Matrix3f R = T_camera_object.linear().cast<float>();
-  view->Render(model.mesh,
-               T_camera_object,
-               image.camera,
-               ModelWindow(image.camera, model, T_camera_object),
-               1);
-  view->ForEachPixel([&](const ModelView::Pixel& pixel) {
-    const Comparison at = Compare(model, R, pixel, image, parameters);
-    if (std::abs(at.measured - at.rendered) <= parameters.inlier_sigmas * at.sigma) {
-      (*explained)[at.index] = 1;
-    }
-  });
+  ObservedImage observed;
+  observed.Reset(image, parameters.edge_px);
+  MarkExplained(model, T_camera_object, &observed, parameters, view, explained);
 }
 
 }  // namespace vantage

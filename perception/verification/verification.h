@@ -1,16 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
-#include "common/camera_model.h"
-#include "common/depth_image.h"
 #include "common/result.h"
 #include "common/so3.h"
-#include "common/triangle_mesh.h"
 #include "perception/depth_noise.h"
-#include "perception/segmentation/segmentation.h"
 #include "perception/verification/model_view.h"
+#include "perception/verification/observed_image.h"
 
 namespace vantage {
 
@@ -52,16 +50,22 @@ struct Verification {
   }
 };
 
-/// An image with its segments, against which hypotheses are held.
-struct SegmentedImage {
-  const DepthImage& depth;
-  const CameraModel& camera;
-  const Segmentation& segmentation;
-};
-
 /// Renders the model and compares pixel by pixel (paper section 3.1).
+/// @param image taken up with `parameters.edge_px`; prepares itself as far as needed.
 /// @param cluster index of the segment that the hypothesis is to explain.
 /// @param step every so many pixels of rows and columns.
+/// @param bound nats; gives up as soon as the cost is more, and then only `cost` means something:
+///   it is more than `bound`, and no more than it would have become.
+Verification Verify(const ModelShape& model,
+                    const Pose& T_camera_object,
+                    ObservedImage* image,
+                    size_t cluster,
+                    int step,
+                    const VerificationParameters& parameters,
+                    ModelView* view,
+                    double bound = std::numeric_limits<double>::infinity());
+
+/// As above, for a single hypothesis of an image.
 Verification Verify(const ModelShape& model,
                     const Pose& T_camera_object,
                     const SegmentedImage& image,
@@ -71,6 +75,13 @@ Verification Verify(const ModelShape& model,
                     ModelView* view);
 
 /// Sets `explained[pixel]` to 1 for every pixel of the image that is measured on the model.
+void MarkExplained(const ModelShape& model,
+                   const Pose& T_camera_object,
+                   ObservedImage* image,
+                   const VerificationParameters& parameters,
+                   ModelView* view,
+                   std::vector<uint8_t>* explained);
+/// As above, for a single hypothesis of an image.
 void MarkExplained(const ModelShape& model,
                    const Pose& T_camera_object,
                    const SegmentedImage& image,
