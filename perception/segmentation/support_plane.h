@@ -1,21 +1,20 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/result.h"
 #include "common/rng.h"
-#include "perception/depth_noise.h"
 
 namespace vantage {
 
-/// The plane that objects stand on: points with normal . p = offset; the normal points towards the
-/// side of the camera.
+/// A large plane of the scene: points with normal . p = offset; the normal points towards the side
+/// of the camera.
 struct SupportPlane {
   Eigen::Vector3d normal = -Eigen::Vector3d::UnitZ();
   double offset = 0.0;                ///< m, negative: the camera is on the positive side
+  bool carries = true;                ///< Objects stand on it; false: a wall.
   std::vector<Eigen::Vector2d> hull;  ///< m, convex, counter-clockwise, in (axis_x, axis_y)
   Eigen::Vector3d axis_x = Eigen::Vector3d::UnitX();
   Eigen::Vector3d axis_y = Eigen::Vector3d::UnitY();
@@ -32,21 +31,16 @@ struct SupportPlane {
 };
 
 struct SupportPlaneParameters {
-  int iterations = 300;        ///< of RANSAC (Fischler, Bolles 1981)
+  int iterations = 300;        ///< at most, of RANSAC (Fischler, Bolles 1981), of each plane
   double inlier_sigmas = 3.0;  ///< a point within this many sigmas of noise belongs to the plane
   double min_extent = 0.25;    ///< m; a plane of smaller extent is a face of an object
-  double min_share = 0.2;      ///< [0, 1] of all points
+  double min_share = 0.2;      ///< [0, 1] of the points that the planes before it left
+  int max_planes = 3;          ///< that are looked for
   Result<void> Validate() const;
 };
 
-/// The plane of most points by RANSAC, then least squares on its points; nothing when there is
-/// none of sufficient extent and share. Deterministic for a state of `rng`.
-std::optional<SupportPlane> FindSupportPlane(std::span<const Eigen::Vector3d> points,
-                                             const DepthNoise& noise,
-                                             const SupportPlaneParameters& parameters,
-                                             Rng& rng);
-
-/// Convex hull, counter-clockwise, without collinear points (Andrew 1979).
-std::vector<Eigen::Vector2d> ConvexHull(std::vector<Eigen::Vector2d> points);
+/// Makes `points` their convex hull, counter-clockwise, without collinear points (Andrew 1979).
+/// @param hull a buffer, reused.
+void ConvexHull(std::vector<Eigen::Vector2d>* points, std::vector<Eigen::Vector2d>* hull);
 
 }  // namespace vantage

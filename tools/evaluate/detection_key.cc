@@ -140,8 +140,9 @@ void AddSegmentation(const SegmentationParameters& parameters, KeyText* key) {
                largest_gap,
                gap_px,
                min_points,
+               concave_angle_deg,
                noise] = parameters;
-  const auto& [iterations, inlier_sigmas, min_extent, min_share] = plane;
+  const auto& [iterations, inlier_sigmas, min_extent, min_share, max_planes] = plane;
   key->Line("segmentation",
             static_cast<int>(support),
             min_depth,
@@ -152,8 +153,9 @@ void AddSegmentation(const SegmentationParameters& parameters, KeyText* key) {
             largest_gap,
             gap_px,
             min_points,
+            concave_angle_deg,
             noise);
-  key->Line("plane", iterations, inlier_sigmas, min_extent, min_share);
+  key->Line("plane", iterations, inlier_sigmas, min_extent, min_share, max_planes);
 }
 
 void AddVoting(const PpfVotingParameters& parameters, KeyText* key) {
