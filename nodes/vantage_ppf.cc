@@ -1,5 +1,5 @@
 // vantage-ppf: finds known objects in the depth images of a camera at rest.
-#include "nodes/ppf_node.h"
+#include "nodes/estimator_node.h"
 #include "nodes/process.h"
 
 int main(int argc, char** argv) {

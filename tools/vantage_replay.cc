@@ -17,7 +17,7 @@
 #include "nodes/config_reader.h"
 #include "nodes/fusion_node.h"
 #include "nodes/ppf_config.h"
-#include "nodes/ppf_node.h"
+#include "nodes/estimator_node.h"
 #include "tools/support/object_table.h"
 #include "vantage/log_header_t.hpp"
 #include "vantage/object_estimates_v2_t.hpp"

@@ -240,7 +240,7 @@ double Quantile(std::vector<double> values, double share) {
 }
 
 void BM_FrameOfThreeObjectsAndModels(benchmark::State& state) {
-  const auto estimator = PpfEstimator::Create(Models(), {}).value();
+  const auto estimator = CreatePpfEstimator(Models(), {}).value();
   std::vector<Frame> frames;
   for (int i = 0; i < 8; ++i) frames.push_back(MakeFrame(i));
   std::vector<double> degrees;
@@ -248,7 +248,7 @@ void BM_FrameOfThreeObjectsAndModels(benchmark::State& state) {
   for (auto _ : state) {
     const Frame& frame = frames[next % frames.size()];
     Rng rng(next % frames.size());
-    const PpfEstimator::Output output = estimator->Estimate(frame.depth, frame.camera, rng);
+    const PoseEstimator::Output output = estimator->Estimate(frame.depth, frame.camera, rng);
     if (next++ >= frames.size()) continue;
     for (size_t i = 0; i < Models().size(); ++i) {
       double error = 180.0;
@@ -278,7 +278,7 @@ void BM_RealViewsOfTheBunny(benchmark::State& state) {
   }
   const ObjectModel model =
       BuildObjectModel("bunny", std::move(mesh).value(), SymmetryGroup::None(), "scan", {}).value();
-  const auto estimator = PpfEstimator::Create(std::vector<ObjectModel>{model}, {}).value();
+  const auto estimator = CreatePpfEstimator(std::vector<ObjectModel>{model}, {}).value();
   CameraModel camera;
   camera.fx = 542.0;
   camera.fy = 540.5;
@@ -310,7 +310,7 @@ void BM_RealViewsOfTheBunny(benchmark::State& state) {
   for (auto _ : state) {
     const size_t i = next++ % images.size();
     Rng rng(i);
-    const PpfEstimator::Output output = estimator->Estimate(images[i], camera, rng);
+    const PoseEstimator::Output output = estimator->Estimate(images[i], camera, rng);
     degrees.push_back(output.detections.empty()
                           ? 180.0
                           : ErrorDegrees(output.detections[0].T_camera_object, truths[i]));

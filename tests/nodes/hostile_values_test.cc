@@ -14,8 +14,9 @@
 #include "bus/conversions.h"
 #include "bus/image_conversion.h"
 #include "bus/log_bus.h"
+#include "nodes/estimator_node.h"
 #include "nodes/fusion_node.h"
-#include "nodes/ppf_node.h"
+#include "nodes/ppf_config.h"
 #include "perception/model/model_builder.h"
 #include "perception/model/model_generator.h"
 #include "tests/bus/support/temporary_folder.h"
@@ -101,10 +102,10 @@ class PpfHostileValues : public HostileValues {
         BuildObjectModel("bracket", object->mesh, object->symmetry, "generated", {}).value());
     PpfConfig config;
     config.camera = "CAM";
-    config.estimator.segmentation.min_points = 50;
-    auto estimator = PpfEstimator::Create(std::move(models), config.estimator);
+    config.estimator.estimation.segmentation.min_points = 50;
+    auto estimator = CreatePpfEstimator(std::move(models), config.estimator);
     ASSERT_TRUE(estimator.ok()) << estimator.error().message;
-    auto node = PpfNode::Create(*bus, config, "ppf", std::move(estimator).value());
+    auto node = EstimatorNode::Create(*bus, config, "ppf", std::move(estimator).value());
     ASSERT_TRUE(node.ok());
     const auto check = [this](const Envelope&, const detections_v2_t& message) {
       const Result<DetectionSet> set = DetectionsFromMessage(message, "DETECTIONS_PPF");

@@ -35,9 +35,9 @@ const std::vector<ObjectModel>& Models() {
   return models;
 }
 
-PpfEstimator& Estimator() {
-  static const std::unique_ptr<PpfEstimator> estimator =
-      std::move(PpfEstimator::Create(Models(), {})).value();
+PoseEstimator& Estimator() {
+  static const std::unique_ptr<PoseEstimator> estimator =
+      std::move(CreatePpfEstimator(Models(), {})).value();
   return *estimator;
 }
 
@@ -78,7 +78,7 @@ TEST(PpfEstimator, FindsThreeObjectsOnATable) {
   std::vector<int> right(Models().size(), 0);
   for (int trial = 0; trial < kScenes; ++trial) {
     const Scene scene = RandomScene(rng);
-    const PpfEstimator::Output output = Estimator().Estimate(scene.depth, scene.camera, rng);
+    const PoseEstimator::Output output = Estimator().Estimate(scene.depth, scene.camera, rng);
     EXPECT_LE(output.detections.size(), Models().size());
     for (const Detection& detection : output.detections) {
       const auto model = std::find_if(Models().begin(), Models().end(), [&](const auto& known) {
@@ -109,8 +109,8 @@ TEST(PpfEstimator, IsTheSameForTheSameSeed) {
   const Scene scene = RandomScene(rng);
   Rng a(3);
   Rng b(3);
-  const PpfEstimator::Output first = Estimator().Estimate(scene.depth, scene.camera, a);
-  const PpfEstimator::Output second = Estimator().Estimate(scene.depth, scene.camera, b);
+  const PoseEstimator::Output first = Estimator().Estimate(scene.depth, scene.camera, a);
+  const PoseEstimator::Output second = Estimator().Estimate(scene.depth, scene.camera, b);
   ASSERT_EQ(first.detections.size(), second.detections.size());
   ASSERT_FALSE(first.detections.empty());
   for (size_t i = 0; i < first.detections.size(); ++i) {
@@ -141,16 +141,16 @@ TEST(PpfEstimator, FindsNothingInNothing) {
 
 TEST(PpfEstimator, SmallestClustersDoNoHarm) {
   PpfEstimatorParameters parameters;
-  parameters.segmentation.support = SegmentationParameters::Support::kNone;
-  parameters.segmentation.min_points = 1;
-  Result<std::unique_ptr<PpfEstimator>> estimator =
-      PpfEstimator::Create(std::vector<ObjectModel>{Models()[2]}, parameters);
+  parameters.estimation.segmentation.support = SegmentationParameters::Support::kNone;
+  parameters.estimation.segmentation.min_points = 1;
+  Result<std::unique_ptr<PoseEstimator>> estimator =
+      CreatePpfEstimator(std::vector<ObjectModel>{Models()[2]}, parameters);
   ASSERT_TRUE(estimator.ok());
   DepthImage depth(320, 240);
   depth.at(100, 100) = 0.7F;
   for (int u = 150; u < 200; ++u) depth.at(u, 120) = 0.6F;
   Rng rng(5);
-  const PpfEstimator::Output output = (*estimator)->Estimate(depth, SmallCamera(), rng);
+  const PoseEstimator::Output output = (*estimator)->Estimate(depth, SmallCamera(), rng);
   EXPECT_EQ(output.num_clusters, 2);
   EXPECT_TRUE(output.detections.empty());
 }
@@ -158,8 +158,8 @@ TEST(PpfEstimator, SmallestClustersDoNoHarm) {
 TEST(PpfEstimator, AnUnknownObjectIsNoDetection) {
   // A ball-like thing of the bracket's size.
   PpfEstimatorParameters parameters;
-  Result<std::unique_ptr<PpfEstimator>> estimator =
-      PpfEstimator::Create(std::vector<ObjectModel>{Models()[2]}, parameters);
+  Result<std::unique_ptr<PoseEstimator>> estimator =
+      CreatePpfEstimator(std::vector<ObjectModel>{Models()[2]}, parameters);
   ASSERT_TRUE(estimator.ok());
   CameraModel camera;
   DepthRasterizer rasterizer(camera);
@@ -172,8 +172,8 @@ TEST(PpfEstimator, AnUnknownObjectIsNoDetection) {
 
 TEST(PpfEstimator, RefusesParametersOutOfRange) {
   PpfEstimatorParameters parameters;
-  parameters.fine_hypotheses = 0;
-  EXPECT_FALSE(PpfEstimator::Create(Models(), parameters).ok());
+  parameters.estimation.fine_hypotheses = 0;
+  EXPECT_FALSE(CreatePpfEstimator(Models(), parameters).ok());
 }
 
 std::vector<Pose> SelfAlignmentsOf(const ObjectModel& model) {
@@ -243,8 +243,8 @@ TEST(PpfEstimator, FindsTheBunnyInRealViews) {
   Result<ObjectModel> model =
       BuildObjectModel("bunny", std::move(mesh).value(), SymmetryGroup::None(), "scan", {});
   ASSERT_TRUE(model.ok());
-  Result<std::unique_ptr<PpfEstimator>> estimator =
-      PpfEstimator::Create(std::vector<ObjectModel>{*model}, {});
+  Result<std::unique_ptr<PoseEstimator>> estimator =
+      CreatePpfEstimator(std::vector<ObjectModel>{*model}, {});
   ASSERT_TRUE(estimator.ok());
   CameraModel camera;
   camera.fx = 542.0;
@@ -254,7 +254,7 @@ TEST(PpfEstimator, FindsTheBunnyInRealViews) {
   std::vector<double> degrees;
   Rng rng(8);
   for (const RealView& view : views) {
-    const PpfEstimator::Output output = (*estimator)->Estimate(view.depth, camera, rng);
+    const PoseEstimator::Output output = (*estimator)->Estimate(view.depth, camera, rng);
     ASSERT_EQ(output.detections.size(), 1U);
     const Pose& T = output.detections[0].T_camera_object;
     degrees.push_back(GeodesicAngle(Eigen::Quaterniond(T.linear()), view.rotation) / kDegree);

@@ -218,16 +218,15 @@ void AddRefinement(const RefinementParameters& parameters, KeyText* key) {
 }
 
 void AddEstimator(const PpfEstimatorParameters& parameters, KeyText* key) {
-  const auto& [table,
-               segmentation,
+  const auto& [table, voting, estimation] = parameters;
+  const auto& [segmentation,
                normals,
-               voting,
                verification,
                refinement,
                coarse_hypotheses,
                fine_hypotheses,
                max_scene_points,
-               hypotheses_per_cluster] = parameters;
+               hypotheses_per_cluster] = estimation;
   const auto& [sample_distance, distance_step, angle_step_deg, max_points] = table;
   const auto& [radius, min_radius_px, max_radius_px, min_share, noise] = normals;
   key->Line("table", sample_distance, distance_step, angle_step_deg, max_points);

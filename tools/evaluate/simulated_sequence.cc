@@ -64,8 +64,8 @@ uint64_t SequenceSeed(uint64_t seed, const std::string& model_id, SequenceKind k
 Result<std::unique_ptr<SequenceSimulator>> SequenceSimulator::Create(
     const ObjectModel& model, const SimulationParameters& parameters) {
   if (Result<void> valid = parameters.Validate(); !valid) return valid.error();
-  Result<std::unique_ptr<PpfEstimator>> estimator =
-      PpfEstimator::Create(std::vector<ObjectModel>{model}, parameters.estimator);
+  Result<std::unique_ptr<PoseEstimator>> estimator =
+      CreatePpfEstimator(std::vector<ObjectModel>{model}, parameters.estimator);
   if (!estimator) return estimator.error();
   return std::unique_ptr<SequenceSimulator>(
       new SequenceSimulator(model, parameters, std::move(estimator).value()));
@@ -73,7 +73,7 @@ Result<std::unique_ptr<SequenceSimulator>> SequenceSimulator::Create(
 
 SequenceSimulator::SequenceSimulator(const ObjectModel& model,
                                      const SimulationParameters& parameters,
-                                     std::unique_ptr<PpfEstimator> estimator)
+                                     std::unique_ptr<PoseEstimator> estimator)
     : model_(model), parameters_(parameters), estimator_(std::move(estimator)) {}
 
 // The hypotheses of the cluster whose best is nearest to the object, none when that is farther off
@@ -119,7 +119,7 @@ DetectionSequence SequenceSimulator::Simulate(SequenceKind kind,
     sensor.Measure(ideal, static_cast<int64_t>(view), time, &depth);
     lap.To(&SimulationTimes::sensor);
     Rng estimator_rng(seed, kFirstEstimate + view);
-    const PpfEstimator::Output output = estimator_->Estimate(
+    const PoseEstimator::Output& output = estimator_->Estimate(
         depth, parameters_.camera, estimator_rng, times != nullptr ? &times->estimator : nullptr);
     lap.To(nullptr);
     sequence.views.push_back(

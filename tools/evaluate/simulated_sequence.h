@@ -15,7 +15,7 @@ namespace vantage {
 /// The demo's estimator, but up to three hypotheses of an object are kept.
 inline PpfEstimatorParameters WithAlternatives() {
   PpfEstimatorParameters parameters;
-  parameters.hypotheses_per_cluster = 3;
+  parameters.estimation.hypotheses_per_cluster = 3;
   return parameters;
 }
 
@@ -56,13 +56,13 @@ class SequenceSimulator {
  private:
   SequenceSimulator(const ObjectModel& model,
                     const SimulationParameters& parameters,
-                    std::unique_ptr<PpfEstimator> estimator);
+                    std::unique_ptr<PoseEstimator> estimator);
   [[nodiscard]] std::vector<Detection> OfTheObject(const std::vector<Detection>& all,
                                                    const Pose& T_camera_object) const;
 
   ObjectModel model_;
   SimulationParameters parameters_;
-  std::unique_ptr<PpfEstimator> estimator_;
+  std::unique_ptr<PoseEstimator> estimator_;
 };
 
 }  // namespace vantage

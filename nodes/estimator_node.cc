@@ -1,10 +1,11 @@
-#include "nodes/ppf_node.h"
+#include "nodes/estimator_node.h"
 
 #include <cctype>
 #include <chrono>
 
 #include "bus/conversions.h"
 #include "common/format.h"
+#include "nodes/ppf_config.h"
 #include "vantage/detections_v2_t.hpp"
 
 namespace vantage {
@@ -23,28 +24,41 @@ std::string Upper(std::string text) {
   return text;
 }
 
+Result<std::unique_ptr<Node>> MakeNode(Bus& bus,
+                                       const EstimatorConfig& config,
+                                       const ProcessOptions& options,
+                                       Result<std::unique_ptr<PoseEstimator>> estimator) {
+  if (!estimator) return estimator.error();
+  Result<std::unique_ptr<EstimatorNode>> node =
+      EstimatorNode::Create(bus, config, options.name, std::move(estimator).value());
+  if (!node) return node.error();
+  return std::unique_ptr<Node>(std::move(node).value());
+}
+
 }  // namespace
 
-Result<std::unique_ptr<PpfNode>> PpfNode::Create(Bus& bus,
-                                                 const PpfConfig& config,
-                                                 const std::string& process_name,
-                                                 std::unique_ptr<PpfEstimator> estimator) {
-  std::unique_ptr<PpfNode> node(new PpfNode(bus, config, process_name, std::move(estimator)));
+Result<std::unique_ptr<EstimatorNode>> EstimatorNode::Create(
+    Bus& bus,
+    const EstimatorConfig& config,
+    const std::string& process_name,
+    std::unique_ptr<PoseEstimator> estimator) {
+  std::unique_ptr<EstimatorNode> node(
+      new EstimatorNode(bus, config, process_name, std::move(estimator)));
   if (Result<void> subscribed = node->Subscribe(); !subscribed) return subscribed.error();
   return node;
 }
 
-PpfNode::PpfNode(Bus& bus,
-                 const PpfConfig& config,
-                 const std::string& process_name,
-                 std::unique_ptr<PpfEstimator> estimator)
+EstimatorNode::EstimatorNode(Bus& bus,
+                             const EstimatorConfig& config,
+                             const std::string& process_name,
+                             std::unique_ptr<PoseEstimator> estimator)
     : bus_(bus),
       config_(config),
       name_(process_name),
       channel_("CAMERA_" + config.camera),
       estimator_(std::move(estimator)) {}
 
-Result<void> PpfNode::Subscribe() {
+Result<void> EstimatorNode::Subscribe() {
   const SubscribeOptions all{SubscribeOptions::Keep::kAll};
   const SubscribeOptions latest{SubscribeOptions::Keep::kLatest};
   Result<void> subscribed = bus_.Subscribe<camera_info_t>(
@@ -63,13 +77,13 @@ Result<void> PpfNode::Subscribe() {
       });
 }
 
-void PpfNode::Report(const std::string& problem) {
+void EstimatorNode::Report(const std::string& problem) {
   if (problem == state_) return;
   state_ = problem;
   bus_.SetState(problem);
 }
 
-void PpfNode::OnInfo(const camera_info_t& message) {
+void EstimatorNode::OnInfo(const camera_info_t& message) {
   const Result<CameraModel> camera = CameraFromMessage(message);
   if (!camera) {
     Report(channel_ + "_INFO: " + camera.error().message);
@@ -79,7 +93,7 @@ void PpfNode::OnInfo(const camera_info_t& message) {
   ProcessPending();
 }
 
-void PpfNode::OnPose(const rigid_transform_t& message) {
+void EstimatorNode::OnPose(const rigid_transform_t& message) {
   const Result<Pose> pose = PoseFromMessage(message);
   if (!pose) {
     Report(channel_ + "_TO_WORLD: " + pose.error().message);
@@ -91,12 +105,12 @@ void PpfNode::OnPose(const rigid_transform_t& message) {
 
 // The clock was set back, or a log began again: images of the pass before would be taken for ones
 // at the times of this pass. What tells first, a pose or an image, makes both forget.
-void PpfNode::ForgetPass() {
+void EstimatorNode::ForgetPass() {
   pending_.clear();
   last_image_utime_.reset();
 }
 
-void PpfNode::OnImages(const Envelope& envelope, const images_t& message) {
+void EstimatorNode::OnImages(const Envelope& envelope, const images_t& message) {
   Result<DepthFrame> frame = DepthFrameFromMessage(message);
   num_passed_over_ += envelope.num_skipped;
   if (!frame) {
@@ -125,7 +139,7 @@ void PpfNode::OnImages(const Envelope& envelope, const images_t& message) {
 }
 
 // Whether the camera was at rest is known only when poses of some time after the image are there.
-void PpfNode::ProcessPending() {
+void EstimatorNode::ProcessPending() {
   const std::optional<int64_t> newest = poses_.Newest();
   if (!camera_ || !newest) return;
   const auto window = static_cast<int64_t>(1e6 * config_.rest_window_s);
@@ -144,7 +158,7 @@ void PpfNode::ProcessPending() {
   pending_ = std::move(waiting);
 }
 
-void PpfNode::Process(const DepthFrame& frame, const Pose& T_world_camera) {
+void EstimatorNode::Process(const DepthFrame& frame, const Pose& T_world_camera) {
   if (frame.image.width != camera_->width || frame.image.height != camera_->height) {
     Report(Format("%s has %d x %d px, expected the %d x %d px of %s_INFO",
                   channel_.c_str(),
@@ -161,7 +175,7 @@ void PpfNode::Process(const DepthFrame& frame, const Pose& T_world_camera) {
   StageTimes times;
   times.clock = SteadySeconds;
   const double begin = SteadySeconds();
-  PpfEstimator::Output output = estimator_->Estimate(frame.image, *camera_, rng, &times);
+  const PoseEstimator::Output& output = estimator_->Estimate(frame.image, *camera_, rng, &times);
 
   DetectionSet set;
   set.utime = frame.utime;
@@ -173,13 +187,13 @@ void PpfNode::Process(const DepthFrame& frame, const Pose& T_world_camera) {
   // 0 over a log, so that every rerun writes the same bytes.
   set.compute_time = 1e-6 * static_cast<double>(bus_.NowUtime() - start);
   set.num_clusters = output.num_clusters;
-  set.detections = std::move(output.detections);
+  set.detections = output.detections;
   const Result<void> sent = bus_.Publish("DETECTIONS_" + Upper(name_), DetectionsToMessage(set));
   Report(sent ? "ok" : sent.error().message);
 
   bus_.RecordStage("segmentation", times.segmentation);
   bus_.RecordStage("normals", times.normals);
-  bus_.RecordStage("voting", times.voting);
+  bus_.RecordStage("proposal", times.proposal);
   bus_.RecordStage("verification", times.verification);
   bus_.RecordStage("refinement", times.refinement);
   bus_.RecordStage("total", SteadySeconds() - begin);
@@ -190,16 +204,10 @@ Result<std::unique_ptr<Node>> MakePpfNode(Bus& bus,
                                           const ProcessOptions& options) {
   const Result<PpfConfig> read = ReadPpfConfig(config);
   if (!read) return read.error();
-  Result<std::vector<PpfEstimator::Model>> models =
-      LoadPpfModels(read->models, read->estimator.table);
+  Result<std::vector<PpfModel>> models = LoadPpfModels(read->models, read->estimator.table);
   if (!models) return models.error();
-  Result<std::unique_ptr<PpfEstimator>> estimator =
-      PpfEstimator::Create(std::move(models).value(), read->estimator);
-  if (!estimator) return estimator.error();
-  Result<std::unique_ptr<PpfNode>> node =
-      PpfNode::Create(bus, *read, options.name, std::move(estimator).value());
-  if (!node) return node.error();
-  return std::unique_ptr<Node>(std::move(node).value());
+  return MakeNode(
+      bus, *read, options, CreatePpfEstimator(std::move(models).value(), read->estimator));
 }
 
 }  // namespace vantage

@@ -11,31 +11,31 @@
 #include "bus/sequence_tracker.h"
 #include "common/pose_buffer.h"
 #include "nodes/config_reader.h"
+#include "nodes/estimator_config.h"
 #include "nodes/node.h"
-#include "nodes/ppf_config.h"
 #include "nodes/process.h"
-#include "perception/ppf/ppf_estimator.h"
+#include "perception/estimator/pose_estimator.h"
 #include "vantage/camera_info_t.hpp"
 #include "vantage/images_t.hpp"
 #include "vantage/rigid_transform_t.hpp"
 
 namespace vantage {
 
-/// vantage-ppf: detections_v2_t on DETECTIONS_<NAME> for every image of its camera taken at rest, also
-/// when nothing was found in it. NAME is the process's in capitals.
-class PpfNode : public Node {
+/// vantage-ppf and vantage-shot: detections_v2_t on DETECTIONS_<NAME> for every image of its camera
+/// taken at rest, also when nothing was found in it. NAME is the process's in capitals.
+class EstimatorNode : public Node {
  public:
   /// Subscribes to CAMERA_<NAME>, _INFO and _TO_WORLD. `bus` outlives the node.
-  static Result<std::unique_ptr<PpfNode>> Create(Bus& bus,
-                                                 const PpfConfig& config,
-                                                 const std::string& process_name,
-                                                 std::unique_ptr<PpfEstimator> estimator);
+  static Result<std::unique_ptr<EstimatorNode>> Create(Bus& bus,
+                                                       const EstimatorConfig& config,
+                                                       const std::string& process_name,
+                                                       std::unique_ptr<PoseEstimator> estimator);
 
  private:
-  PpfNode(Bus& bus,
-          const PpfConfig& config,
-          const std::string& process_name,
-          std::unique_ptr<PpfEstimator> estimator);
+  EstimatorNode(Bus& bus,
+                const EstimatorConfig& config,
+                const std::string& process_name,
+                std::unique_ptr<PoseEstimator> estimator);
   Result<void> Subscribe();
   void OnImages(const Envelope& envelope, const images_t& message);
   void OnInfo(const camera_info_t& message);
@@ -48,10 +48,10 @@ class PpfNode : public Node {
   static constexpr size_t kMaxPending = 16;  // Images that wait for poses or the calibration.
 
   Bus& bus_;
-  PpfConfig config_;
+  EstimatorConfig config_;
   std::string name_;
   std::string channel_;  // Of the camera.
-  std::unique_ptr<PpfEstimator> estimator_;
+  std::unique_ptr<PoseEstimator> estimator_;
   std::optional<CameraModel> camera_;
   PoseBuffer poses_;
   std::deque<DepthFrame> pending_;
@@ -62,9 +62,12 @@ class PpfNode : public Node {
   std::string state_ = "ok";
 };
 
-/// For RunProcess. Errors: the config, or the models.
+/// For RunProcess: estimators of the tables [ppf] and [shot]. Errors: the config, or the models.
 Result<std::unique_ptr<Node>> MakePpfNode(Bus& bus,
                                           ConfigReader& config,
                                           const ProcessOptions& options);
+Result<std::unique_ptr<Node>> MakeShotNode(Bus& bus,
+                                           ConfigReader& config,
+                                           const ProcessOptions& options);
 
 }  // namespace vantage

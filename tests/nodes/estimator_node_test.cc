@@ -1,4 +1,4 @@
-#include "nodes/ppf_node.h"
+#include "nodes/estimator_node.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -20,10 +20,10 @@ namespace fs = std::filesystem;
 
 constexpr int64_t kStart = 1'000'000'000;
 
-class PpfNodeTest : public testing::Test {
+class EstimatorNodeTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder = fs::temp_directory_path() / ("vantage_ppf_node_test_" + std::to_string(::getpid()));
+    folder = fs::temp_directory_path() / ("vantage_estimator_node_test_" + std::to_string(::getpid()));
     fs::create_directories(folder / "models");
     const Result<GeneratedObject> object = GenerateObject("bracket");
     model = std::make_unique<ObjectModel>(
@@ -128,7 +128,7 @@ class PpfNodeTest : public testing::Test {
   std::vector<detections_v2_t> sets;
 };
 
-TEST_F(PpfNodeTest, PublishesEveryImageAtRestAlsoWhenEmpty) {
+TEST_F(EstimatorNodeTest, PublishesEveryImageAtRestAlsoWhenEmpty) {
   WriteInfo(kStart);
   int64_t seq = 40;
   for (int64_t t = 0; t <= 2'000'000; t += 50'000) {
@@ -156,7 +156,7 @@ TEST_F(PpfNodeTest, PublishesEveryImageAtRestAlsoWhenEmpty) {
   EXPECT_EQ(sets[1].num_detections, 0);
 }
 
-TEST_F(PpfNodeTest, CountsImagesThatNeverArrived) {
+TEST_F(EstimatorNodeTest, CountsImagesThatNeverArrived) {
   for (const int64_t seq : {7, 8, 12, 13}) WriteImage(kStart + seq, seq);
   // Arrived, though it is of no use.
   const std::vector<uint16_t> depth(4);
@@ -170,7 +170,7 @@ TEST_F(PpfNodeTest, CountsImagesThatNeverArrived) {
   EXPECT_EQ(bus->counters().num_lost, 3 + 1);
 }
 
-TEST_F(PpfNodeTest, LeavesOutImagesTakenInMotionOrBesideThePoses) {
+TEST_F(EstimatorNodeTest, LeavesOutImagesTakenInMotionOrBesideThePoses) {
   WriteInfo(kStart);
   for (int64_t t = 0; t <= 2'000'000; t += 50'000) {
     // Moves until 1.0 s.
@@ -187,7 +187,7 @@ TEST_F(PpfNodeTest, LeavesOutImagesTakenInMotionOrBesideThePoses) {
 
 // The clock is set back by 2 s while the camera is at another place: no image gets a pose, and no
 // pose an image, of the other pass. Whether a pose or an image tells first makes no difference.
-TEST_F(PpfNodeTest, NeverMixesTwoPassesOverTheSameTimes) {
+TEST_F(EstimatorNodeTest, NeverMixesTwoPassesOverTheSameTimes) {
   for (const bool image_first : {false, true}) {
     SCOPED_TRACE(image_first);
     if (image_first) SetUp();
@@ -213,7 +213,7 @@ TEST_F(PpfNodeTest, NeverMixesTwoPassesOverTheSameTimes) {
   }
 }
 
-TEST_F(PpfNodeTest, WaitsForTheCalibration) {
+TEST_F(EstimatorNodeTest, WaitsForTheCalibration) {
   for (int64_t t = 0; t <= 1'000'000; t += 50'000) {
     WritePose(kStart + t);
     if (t == 300'000) WriteImage(kStart + t, 1);
@@ -223,7 +223,7 @@ TEST_F(PpfNodeTest, WaitsForTheCalibration) {
   EXPECT_EQ(sets.size(), 1U);
 }
 
-TEST_F(PpfNodeTest, ResultsDoNotDependOnEarlierImagesAndRunsAreEqual) {
+TEST_F(EstimatorNodeTest, ResultsDoNotDependOnEarlierImagesAndRunsAreEqual) {
   const auto write = [this](bool with_first) {
     WriteInfo(kStart);
     for (int64_t t = 0; t <= 1'500'000; t += 50'000) {
@@ -255,7 +255,7 @@ TEST_F(PpfNodeTest, ResultsDoNotDependOnEarlierImagesAndRunsAreEqual) {
   EXPECT_EQ(Encode(alone), Encode(first[1]));
 }
 
-TEST_F(PpfNodeTest, ReportsWhatIsWrongAndGoesOn) {
+TEST_F(EstimatorNodeTest, ReportsWhatIsWrongAndGoesOn) {
   camera.width = 100;
   WriteInfo(kStart);
   camera = CameraModel().Scaled(0.5);
@@ -269,7 +269,7 @@ TEST_F(PpfNodeTest, ReportsWhatIsWrongAndGoesOn) {
       << bus->Status().state;
 }
 
-TEST_F(PpfNodeTest, RefusesBadConfigInWords) {
+TEST_F(EstimatorNodeTest, RefusesBadConfigInWords) {
   EXPECT_NE(MakeError(Config("[segmentation]\nsupport_plane = 'floor'\n")).message.find("floor"),
             std::string::npos);
   EXPECT_NE(MakeError(Config("[verification]\nmin_scor = 0.1\n")).message.find("min_scor"),
@@ -281,7 +281,7 @@ TEST_F(PpfNodeTest, RefusesBadConfigInWords) {
   EXPECT_NE(MakeError("[camera.A]\n").message.find("models.folder"), std::string::npos);
 }
 
-TEST_F(PpfNodeTest, NamesModelsThatAreMissingAndThoseThatExist) {
+TEST_F(EstimatorNodeTest, NamesModelsThatAreMissingAndThoseThatExist) {
   std::string text = Config();
   text.insert(text.find("[ppf]"), "use = ['spoon']\n");
   const Error absent = MakeError(text);
@@ -294,7 +294,7 @@ TEST_F(PpfNodeTest, NamesModelsThatAreMissingAndThoseThatExist) {
   EXPECT_NE(nowhere.message.find("vantage-model generate"), std::string::npos);
 }
 
-TEST_F(PpfNodeTest, TakesTheTableInTheModelFolderIfItFits) {
+TEST_F(EstimatorNodeTest, TakesTheTableInTheModelFolderIfItFits) {
   const fs::path file = folder / "models" / "bracket" / "ppf.bin";
   PpfTableParameters parameters;
   const PpfTable table =
