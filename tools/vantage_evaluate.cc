@@ -1,5 +1,6 @@
 // Regenerates the paper's evaluation: simulated views, the real estimator, every fusion method on
-// the same detections, a report. Or tunes the methods on other sequences.
+// the same detections, a report. Or tunes the methods on other sequences. Or holds single views of
+// real datasets against their ground truth.
 
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -26,6 +28,9 @@
 #include "perception/model/object_model.h"
 #include "tools/evaluate/accuracy_text.h"
 #include "tools/evaluate/clustering_sweep.h"
+#include "tools/evaluate/dataset_report.h"
+#include "tools/evaluate/dataset_run.h"
+#include "tools/evaluate/dataset_text.h"
 #include "tools/evaluate/detection_run.h"
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/fusion_methods.h"
@@ -49,11 +54,14 @@ constexpr uint64_t kTuningSeed = 1000;  // Added to the evaluation's.
 struct Arguments {
   bool paper = false;
   bool tune = false;
+  std::string dataset;  // Folder; empty: not that work.
+  std::string meshes;   // Empty: beside the dataset.
+  std::string estimator = "all";
   std::vector<std::string> methods;
   std::string models = "models";
   std::vector<std::string> use;
   std::string output = "out/evaluate";
-  std::string name = "paper";
+  std::string name;    // Empty: of the work.
   int sequences = -1;  // Below 0: what suits the work.
   int views = 12;
   uint64_t seed = 1;
@@ -301,7 +309,8 @@ Result<int> Evaluate(const Arguments& arguments) {
   const Interrupt interrupt;
   const Result<So3Grid> grid = So3Grid::Create(arguments.k);
   if (!grid) return grid.error();
-  const fs::path folder = fs::path(arguments.output) / arguments.name;
+  const fs::path folder =
+      fs::path(arguments.output) / (arguments.name.empty() ? "paper" : arguments.name);
   if (const auto prepared = PrepareOutput(folder); !prepared) return prepared.error();
   const Result<Input> input = MakeInput(arguments, interrupt.token());
   if (!input) return input.error();
@@ -348,11 +357,69 @@ Result<int> Evaluate(const Arguments& arguments) {
   return missed.empty() ? 0 : 1;
 }
 
+std::string DatasetCommand(const Arguments& arguments) {
+  std::string command = "vantage-evaluate --dataset " + arguments.dataset;
+  if (!arguments.meshes.empty()) command += " --meshes " + arguments.meshes;
+  return command + Format(" --estimator %s --seed %llu",
+                          arguments.estimator.c_str(),
+                          static_cast<unsigned long long>(arguments.seed));
+}
+
+/// All datasets of the folder; those that can't be evaluated become notes unless there is no other.
+Result<void> LoadDatasets(const Arguments& arguments, DatasetResults* results) {
+  const Result<std::vector<fs::path>> folders = FindDatasets(arguments.dataset);
+  if (!folders) return folders.error();
+  for (const fs::path& folder : *folders) {
+    const std::optional<std::string> why_not = WhyNotEvaluated(folder);
+    if (why_not && folders->size() > 1) {
+      results->notes.push_back(*why_not + ".");
+      continue;
+    }
+    const fs::path meshes = arguments.meshes.empty() ? folder / ".." / "meshes" : arguments.meshes;
+    Result<Dataset> dataset = LoadDataset(folder, meshes);
+    if (!dataset) return dataset.error();
+    results->datasets.push_back(std::move(dataset).value());
+  }
+  return {};
+}
+
+/// @return the exit code.
+Result<int> EvaluateDatasets(const Arguments& arguments) {
+  const Interrupt interrupt;
+  const Result<std::vector<std::string>> estimators = FindEstimators(arguments.estimator);
+  if (!estimators) return estimators.error();
+  DatasetResults results;
+  results.command = DatasetCommand(arguments);
+  results.version = VANTAGE_VERSION;
+  results.seed = arguments.seed;
+  if (const auto loaded = LoadDatasets(arguments, &results); !loaded) return loaded.error();
+  {
+    Progress bar("images");
+    const Result<bool> is_complete = RunDatasets(
+        *estimators,
+        MakeEstimator,
+        interrupt.token(),
+        [&bar](int64_t done, int64_t total) { bar.Show(done, total); },
+        &results);
+    if (!is_complete) return is_complete.error();
+    if (!*is_complete) return kInterrupted;
+  }
+  const fs::path folder =
+      fs::path(arguments.output) / (arguments.name.empty() ? "dataset" : arguments.name);
+  if (const auto written = WriteDatasetReport(results, folder); !written) return written.error();
+  std::printf("%s%s\n", DatasetText(results).c_str(), (folder / "report.html").c_str());
+  const std::vector<std::string> missed = MissedBars(results);
+  for (const std::string& bar : missed) std::fprintf(stderr, "%s\n", bar.c_str());
+  return arguments.check && !missed.empty() ? 1 : 0;
+}
+
 int Main(int argc, char** argv) {
   CLI::App app(
       "Regenerates the paper's Tables 1 and 2 and Figures 4, 8, 10, 14 and 15 with simulated views "
       "and the real estimator, and compares every fusion method on the same detections. Detections "
-      "are cached: an interrupted run goes on where it ended.",
+      "are cached: an interrupted run goes on where it ended. Or evaluates estimators on single "
+      "views "
+      "of real datasets.",
       "vantage-evaluate");
   Arguments arguments;
   CLI::Option_group* work = app.add_option_group("what to do");
@@ -360,7 +427,14 @@ int Main(int argc, char** argv) {
   work->add_flag("--tune",
                  arguments.tune,
                  "Tries parameters of every method on sequences of the seed plus 1000");
+  work->add_option("--dataset",
+                   arguments.dataset,
+                   "Evaluates estimators on real views: a folder of a dataset, or of several");
   work->require_option(1);
+  app.add_option(
+      "--meshes", arguments.meshes, "Meshes of the datasets, by default DATASET/../meshes");
+  app.add_option("--estimator", arguments.estimator, "One of them, or all, on the datasets")
+      ->capture_default_str();
   app.add_option("--method", arguments.methods, "Methods to tune, by id; all of them by default");
   // tools/paper names these two; its user may name others.
   const auto last = CLI::MultiOptionPolicy::TakeLast;
@@ -390,8 +464,9 @@ int Main(int argc, char** argv) {
   app.add_option("--output", arguments.output, "Folder of the cache and the reports")
       ->multi_option_policy(last)
       ->capture_default_str();
-  app.add_option("--name", arguments.name, "The report goes to OUTPUT/NAME")->capture_default_str();
-  app.add_flag("--check", arguments.check, "Exit with 1 where the best variant of ours is not");
+  app.add_option(
+      "--name", arguments.name, "The report goes to OUTPUT/NAME, by default paper or dataset");
+  app.add_flag("--check", arguments.check, "Exit with 1 where a bar is missed");
   if (const auto code = ParseCommandLine(app, argc, argv)) return *code;
   if (arguments.threads == 0) {
     arguments.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -399,7 +474,9 @@ int Main(int argc, char** argv) {
   if (arguments.sequences < 0) {
     arguments.sequences = arguments.tune ? kTuningSequences : kEvaluationSequences;
   }
-  const Result<int> code = arguments.tune ? Tune(arguments) : Evaluate(arguments);
+  const Result<int> code = !arguments.dataset.empty() ? EvaluateDatasets(arguments)
+                           : arguments.tune           ? Tune(arguments)
+                                                      : Evaluate(arguments);
   if (code) return *code;
   std::fprintf(stderr, "vantage-evaluate: %s\n", code.error().message.c_str());
   return 2;

@@ -161,26 +161,30 @@ bool ReadRows(PngContext* context, uint8_t** rows) {
 }
 
 // Fills `image` by a context that is set up; the caller destroys the context whatever happens.
-Result<void> Read(const std::filesystem::path& file, PngContext* context, Gray16Image* image) {
+template <class Image>
+Result<void> Read(const std::filesystem::path& file, PngContext* context, Image* image) {
+  constexpr size_t kBytes = sizeof(typename decltype(image->gray)::value_type);
   const auto damaged = [&file, context] {
     return Error{ErrorCode::kCorrupt,
                  Format("%s is no sound PNG: %s", file.c_str(), context->message.data())};
   };
   Layout layout{};
   if (context->info == nullptr || !ReadHeader(context, &layout)) return damaged();
-  if (layout.bit_depth != 16 || layout.color_type != PNG_COLOR_TYPE_GRAY) {
+  if (layout.bit_depth != static_cast<int>(8 * kBytes) ||
+      layout.color_type != PNG_COLOR_TYPE_GRAY) {
     return Error{ErrorCode::kInvalidArgument,
-                 Format("%s has %d bits a channel and colour type %d, expected a 16-bit grey PNG",
+                 Format("%s has %d bits a channel and colour type %d, expected a %zu-bit grey PNG",
                         file.c_str(),
                         layout.bit_depth,
-                        layout.color_type)};
+                        layout.color_type,
+                        8 * kBytes)};
   }
   image->width = layout.width;
   image->height = layout.height;
   const auto width = static_cast<size_t>(layout.width);
   // A row compresses by at most about 1030 : 1; what the file can't hold is not allocated.
   const size_t values = width * static_cast<size_t>(layout.height);
-  if (2 * values / 1100 > context->input_left) {
+  if (kBytes * values / 1100 > context->input_left) {
     std::strncpy(context->message.data(), "too short for its size", context->message.size() - 1);
     return damaged();
   }
@@ -219,7 +223,10 @@ Result<void> WritePng(const std::filesystem::path& file, const Gray16Image& imag
   return Write(file, image);
 }
 
-Result<Gray16Image> ReadPng16(const std::filesystem::path& file) {
+namespace {
+
+template <class Image>
+Result<Image> ReadGray(const std::filesystem::path& file) {
   const Result<std::string> bytes = ReadFileBytes(file, kLargestFile);
   if (!bytes) return bytes.error();
   const auto* data = reinterpret_cast<const uint8_t*>(bytes->data());
@@ -232,11 +239,21 @@ Result<Gray16Image> ReadPng16(const std::filesystem::path& file) {
   context.input_left = bytes->size();
   context.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &context, OnError, OnWarning);
   if (context.png != nullptr) context.info = png_create_info_struct(context.png);
-  Gray16Image image;
+  Image image;
   const Result<void> read = Read(file, &context, &image);
   png_destroy_read_struct(&context.png, &context.info, nullptr);
   if (!read) return read.error();
   return image;
+}
+
+}  // namespace
+
+Result<Gray16Image> ReadPng16(const std::filesystem::path& file) {
+  return ReadGray<Gray16Image>(file);
+}
+
+Result<Gray8Image> ReadPng8(const std::filesystem::path& file) {
+  return ReadGray<Gray8Image>(file);
 }
 
 }  // namespace vantage

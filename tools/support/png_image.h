@@ -24,6 +24,13 @@ struct Gray16Image {
   std::vector<uint16_t> gray;  ///< width * height values
 };
 
+/// An 8-bit grey picture, such as labels.
+struct Gray8Image {
+  int width = 0;              ///< px
+  int height = 0;             ///< px
+  std::vector<uint8_t> gray;  ///< width * height values
+};
+
 /// The same image gives the same bytes. Errors: sides outside 1..16384 px, a wrong number of
 /// values.
 Result<std::vector<uint8_t>> EncodePng(const RgbImage& image);
@@ -35,5 +42,7 @@ Result<void> WritePng(const std::filesystem::path& file, const Gray16Image& imag
 
 /// Errors: absent, larger than 256 MiB, no PNG, damaged, not 16-bit grey, sides beyond 16384 px.
 Result<Gray16Image> ReadPng16(const std::filesystem::path& file);
+/// The same of 8-bit grey.
+Result<Gray8Image> ReadPng8(const std::filesystem::path& file);
 
 }  // namespace vantage

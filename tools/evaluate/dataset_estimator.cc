@@ -1,0 +1,60 @@
+#include "tools/evaluate/dataset_estimator.h"
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "common/check.h"
+#include "common/format.h"
+#include "perception/ppf/ppf_estimator.h"
+
+namespace vantage {
+namespace {
+
+double Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+constexpr std::array<const char*, 1> kNames = {"ppf"};
+
+}  // namespace
+
+Result<std::vector<std::string>> FindEstimators(const std::string& name) {
+  std::string known;
+  for (const char* one : kNames) {
+    if (name == one) return std::vector<std::string>{name};
+    known += std::string(one) + " or ";
+  }
+  if (name == "all") return std::vector<std::string>(kNames.begin(), kNames.end());
+  return Error{ErrorCode::kNotFound,
+               Format("estimator \"%s\", expected %sall", name.c_str(), known.c_str())};
+}
+
+Result<DatasetEstimator> MakeEstimator(const std::string& name,
+                                       std::vector<ObjectModel> models,
+                                       SegmentationParameters::Support support) {
+  VANTAGE_CHECK(name == kNames[0], name);
+  PpfEstimatorParameters parameters;
+  parameters.segmentation.support = support;
+  Result<std::unique_ptr<PpfEstimator>> made = PpfEstimator::Create(std::move(models), parameters);
+  if (!made) return made.error();
+  // A std::function is copied, an estimator is not.
+  const std::shared_ptr<PpfEstimator> estimator = std::move(made).value();
+  return DatasetEstimator(
+      [estimator](const DepthImage& depth, const CameraModel& camera, Rng& rng) {
+        StageTimes times;
+        times.clock = Now;
+        const double start = Now();
+        PpfEstimator::Output output = estimator->Estimate(depth, camera, rng, &times);
+        DatasetEstimate estimate;
+        estimate.seconds = Now() - start;
+        estimate.detections = std::move(output.detections);
+        estimate.num_clusters = output.num_clusters;
+        estimate.stages = {
+            times.segmentation, times.normals, times.voting, times.verification, times.refinement};
+        return estimate;
+      });
+}
+
+}  // namespace vantage
