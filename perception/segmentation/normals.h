@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,18 +21,7 @@ struct NormalParameters {
   Result<void> Validate() const;
 };
 
-/// The surface at a pixel: a plane fitted to inverse depth, which is affine in the image on a plane
-/// and in which the steps of a structured-light camera have one size. Neighbors of another label or
-/// across a depth discontinuity are left out. The position lies on the line of sight of the pixel.
-/// Nothing when too few neighbors are left.
-std::optional<SurfacePoint> SurfaceAt(const DepthImage& depth,
-                                      const CameraModel& camera,
-                                      std::span<const int32_t> labels,
-                                      uint32_t pixel,
-                                      const NormalParameters& parameters);
-
-/// SurfaceAt about one pixel of every cube of `spacing` m that holds some of `pixels`: the one
-/// nearest to the mean of those in the cube. In the order of the cubes' first pixels.
+/// SurfaceSampler::Sample of one segment alone; slower.
 std::vector<SurfacePoint> SampleSurfaces(const DepthImage& depth,
                                          const CameraModel& camera,
                                          std::span<const int32_t> labels,
