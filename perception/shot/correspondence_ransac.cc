@@ -122,18 +122,10 @@ Pose AlignMatches(std::span<const Correspondence> pairs, double normal_weight) {
   return T_query_match;
 }
 
-// All correspondences that may stand beside `first` in a triplet.
-void CorrespondenceRansac::FindPartners(std::span<const Correspondence> all, uint32_t first) {
-  partners_.clear();
-  for (uint32_t i = 0; i < all.size(); ++i) {
-    if (PairAgrees(all[first], all[i], parameters_)) partners_.push_back(i);
-  }
-}
-
 void CorrespondenceRansac::Spread(std::span<const Correspondence> all) {
   const size_t blocks = (all.size() + kLanes - 1) / kLanes;
   lanes_.assign(blocks * kLanes * kColumns, std::numeric_limits<float>::quiet_NaN());
-  is_inlier_.resize(blocks * kLanes);
+  is_marked_.resize(blocks * kLanes);
   for (size_t i = 0; i < all.size(); ++i) {
     const Correspondence& pair = all[i];
     const Eigen::Vector3f* const vectors[] = {
@@ -145,6 +137,54 @@ void CorrespondenceRansac::Spread(std::span<const Correspondence> all) {
   }
 }
 
+// Which of the correspondences may meet conditions 3 and 4 with one: without roots, and so some
+// more than do.
+VANTAGE_SIMD static void FindLikelyPartners(const float* lanes,
+                                            size_t num_blocks,
+                                            const float* first,
+                                            float nearest_squared,
+                                            float tolerance_squared,
+                                            int32_t* is_likely) {
+  for (size_t block = 0; block < num_blocks; ++block) {
+    const float* columns = lanes + block * kColumns * kLanes;
+    F8 query{};
+    F8 match{};
+    for (size_t axis = 0; axis < 3; ++axis) {
+      F8 p_query;
+      F8 p_match;
+      std::memcpy(&p_query, columns + axis * kLanes, sizeof(F8));
+      std::memcpy(&p_match, columns + (axis + 3) * kLanes, sizeof(F8));
+      query += (p_query - first[axis]) * (p_query - first[axis]);
+      match += (p_match - first[axis + 3]) * (p_match - first[axis + 3]);
+    }
+    // |a - b| = |a^2 - b^2| / (a + b), and (a + b)^2 <= 2 (a^2 + b^2).
+    const F8 difference = query - match;
+    const I8 mask = (query >= nearest_squared) & (match >= nearest_squared) &
+                    (difference * difference <= 2.0F * tolerance_squared * (query + match));
+    std::memcpy(is_likely + block * kLanes, &mask, sizeof(mask));
+  }
+}
+
+// All correspondences that may stand beside `first` in a triplet.
+void CorrespondenceRansac::FindPartners(std::span<const Correspondence> all, uint32_t first) {
+  constexpr float kRounding = 1e-4F;
+  const Eigen::Vector3f& query = all[first].query.position;
+  const Eigen::Vector3f& match = all[first].match.position;
+  const float place[] = {query.x(), query.y(), query.z(), match.x(), match.y(), match.z()};
+  const auto nearest = static_cast<float>(parameters_.min_distance);
+  const auto tolerance = static_cast<float>(parameters_.distance_tolerance);
+  FindLikelyPartners(lanes_.data(),
+                     is_marked_.size() / kLanes,
+                     place,
+                     nearest * nearest * (1.0F - kRounding),
+                     tolerance * tolerance * (1.0F + kRounding) + 1e-12F,
+                     is_marked_.data());
+  partners_.clear();
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    if (is_marked_[i] != 0 && PairAgrees(all[first], all[i], parameters_)) partners_.push_back(i);
+  }
+}
+
 VANTAGE_SIMD static void FindInliers(const float* lanes,
                                      size_t num_blocks,
                                      const float* rows,
@@ -152,8 +192,8 @@ VANTAGE_SIMD static void FindInliers(const float* lanes,
                                      float cosine,
                                      int32_t* is_inlier) {
   for (size_t block = 0; block < num_blocks; ++block) {
-    F8 c[12];
-    std::memcpy(c, lanes + block * 12 * kLanes, sizeof(c));
+    F8 c[kColumns];
+    std::memcpy(c, lanes + block * kColumns * kLanes, sizeof(c));
     F8 squared{};
     F8 agreement{};
     for (size_t axis = 0; axis < 3; ++axis) {
@@ -173,15 +213,15 @@ int CorrespondenceRansac::Count(std::span<const Correspondence> all, const Pose&
       T_query_match.matrix().topRows<3>().cast<float>();
   const double angle = std::min(kInlierAngle * parameters_.angle_tolerance, 90.0 * kDegree);
   FindInliers(lanes_.data(),
-              is_inlier_.size() / kLanes,
+              is_marked_.size() / kLanes,
               rows.data(),
               static_cast<float>(parameters_.inlier_distance * parameters_.inlier_distance),
               static_cast<float>(std::cos(angle)),
-              is_inlier_.data());
+              is_marked_.data());
   int count = 0;
   uint32_t last = all.front().keypoint + 1;
   for (size_t i = 0; i < all.size(); ++i) {
-    if (is_inlier_[i] == 0 || all[i].keypoint == last) continue;
+    if (is_marked_[i] == 0 || all[i].keypoint == last) continue;
     last = all[i].keypoint;
     ++count;
   }
@@ -195,7 +235,7 @@ void CorrespondenceRansac::CollectInliers(std::span<const Correspondence> all,
   inliers_.clear();
   float best = 0.0F;
   for (size_t i = 0; i < all.size(); ++i) {
-    if (is_inlier_[i] == 0) continue;
+    if (is_marked_[i] == 0) continue;
     const float distance = (T * all[i].match.position - all[i].query.position).squaredNorm();
     if (inliers_.empty() || inliers_.back().keypoint != all[i].keypoint) {
       inliers_.push_back(all[i]);

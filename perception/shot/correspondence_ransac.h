@@ -73,7 +73,7 @@ class CorrespondenceRansac {
   std::vector<uint32_t> order_;
   std::vector<uint32_t> partners_;
   std::vector<float> lanes_;        // The correspondences, value by value.
-  std::vector<int32_t> is_inlier_;  // Of the last Count, 0 or not.
+  std::vector<int32_t> is_marked_;  // Of the last search, 0 or not.
   std::vector<Correspondence> inliers_;
   std::vector<ConsensusPose> kept_;
   int iterations_ = 0;
