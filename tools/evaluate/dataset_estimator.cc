@@ -36,25 +36,25 @@ Result<DatasetEstimator> MakeEstimator(const std::string& name,
                                        SegmentationParameters::Support support) {
   VANTAGE_CHECK(name == kNames[0], name);
   PpfEstimatorParameters parameters;
-  parameters.segmentation.support = support;
-  Result<std::unique_ptr<PpfEstimator>> made = PpfEstimator::Create(std::move(models), parameters);
+  parameters.estimation.segmentation.support = support;
+  Result<std::unique_ptr<PoseEstimator>> made = CreatePpfEstimator(std::move(models), parameters);
   if (!made) return made.error();
   // A std::function is copied, an estimator is not.
-  const std::shared_ptr<PpfEstimator> estimator = std::move(made).value();
-  return DatasetEstimator(
-      [estimator](const DepthImage& depth, const CameraModel& camera, Rng& rng) {
-        StageTimes times;
-        times.clock = Now;
-        const double start = Now();
-        PpfEstimator::Output output = estimator->Estimate(depth, camera, rng, &times);
-        DatasetEstimate estimate;
-        estimate.seconds = Now() - start;
-        estimate.detections = std::move(output.detections);
-        estimate.num_clusters = output.num_clusters;
-        estimate.stages = {
-            times.segmentation, times.normals, times.voting, times.verification, times.refinement};
-        return estimate;
-      });
+  const std::shared_ptr<PoseEstimator> estimator = std::move(made).value();
+  return DatasetEstimator([estimator](
+                              const DepthImage& depth, const CameraModel& camera, Rng& rng) {
+    StageTimes times;
+    times.clock = Now;
+    const double start = Now();
+    const PoseEstimator::Output& output = estimator->Estimate(depth, camera, rng, &times);
+    DatasetEstimate estimate;
+    estimate.seconds = Now() - start;
+    estimate.detections = output.detections;
+    estimate.num_clusters = output.num_clusters;
+    estimate.stages = {
+        times.segmentation, times.normals, times.proposal, times.verification, times.refinement};
+    return estimate;
+  });
 }
 
 }  // namespace vantage
