@@ -78,9 +78,13 @@ void Segmenter::AddParts(int count, int width) {
   for (const int32_t part : part_of) {
     if (part_size_[static_cast<size_t>(part)]++ == 0) part_order_.push_back(part);
   }
-  std::stable_sort(part_order_.begin(), part_order_.end(), [this](int32_t a, int32_t b) {
+  const auto is_larger = [this](int32_t a, int32_t b) {
     return part_size_[static_cast<size_t>(a)] > part_size_[static_cast<size_t>(b)];
-  });
+  };
+  // Stable, and without the buffer that std::stable_sort takes.
+  for (auto next = part_order_.begin(); next != part_order_.end(); ++next) {
+    std::rotate(std::upper_bound(part_order_.begin(), next, *next, is_larger), next, next + 1);
+  }
   for (size_t i = 0; i < part_order_.size(); ++i) {
     part_size_[static_cast<size_t>(part_order_[i])] = static_cast<int32_t>(i);
     Cluster& part = AddCluster();
