@@ -103,6 +103,18 @@ void ReadEstimatorConfig(ConfigReader& config,
   ReadRefinement(root.Sub("refinement"), &parameters->refinement);
 }
 
+Result<std::vector<ObjectModel>> LoadModels(const ModelsConfig& config) {
+  const Result<std::vector<std::string>> names = FindModels(config);
+  if (!names) return names.error();
+  std::vector<ObjectModel> models;
+  for (const std::string& name : *names) {
+    Result<ObjectModel> model = LoadObjectModel(config.folder / name);
+    if (!model) return model.error();
+    models.push_back(std::move(model).value());
+  }
+  return models;
+}
+
 Result<std::vector<PpfModel>> LoadPpfModels(const ModelsConfig& config,
                                             const PpfTableParameters& parameters) {
   const Result<std::vector<std::string>> names = FindModels(config);

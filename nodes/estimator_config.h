@@ -28,6 +28,9 @@ void ReadEstimatorConfig(ConfigReader& config,
                          EstimatorConfig* result,
                          PoseEstimatorParameters* parameters);
 
+/// The models in use. Errors: FindModels(); a model that can't be read.
+Result<std::vector<ObjectModel>> LoadModels(const ModelsConfig& config);
+
 /// The models in use with their point pair tables: those in the folder if they fit, trained
 /// otherwise. Errors: FindModels(); a model that can't be read.
 Result<std::vector<PpfModel>> LoadPpfModels(const ModelsConfig& config,

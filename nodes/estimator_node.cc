@@ -6,6 +6,7 @@
 #include "bus/conversions.h"
 #include "common/format.h"
 #include "nodes/ppf_config.h"
+#include "nodes/shot_config.h"
 #include "vantage/detections_v2_t.hpp"
 
 namespace vantage {
@@ -208,6 +209,17 @@ Result<std::unique_ptr<Node>> MakePpfNode(Bus& bus,
   if (!models) return models.error();
   return MakeNode(
       bus, *read, options, CreatePpfEstimator(std::move(models).value(), read->estimator));
+}
+
+Result<std::unique_ptr<Node>> MakeShotNode(Bus& bus,
+                                           ConfigReader& config,
+                                           const ProcessOptions& options) {
+  const Result<ShotConfig> read = ReadShotConfig(config);
+  if (!read) return read.error();
+  Result<std::vector<ObjectModel>> models = LoadModels(read->models);
+  if (!models) return models.error();
+  return MakeNode(
+      bus, *read, options, CreateShotEstimator(std::move(models).value(), read->estimator));
 }
 
 }  // namespace vantage

@@ -89,6 +89,7 @@ void IgnoreTablesOfOthers(ConfigReader& config) {
                             "models",
                             "segmentation",
                             "ppf",
+                            "shot",
                             "verification",
                             "refinement",
                             "fusion",

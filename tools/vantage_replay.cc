@@ -1,4 +1,4 @@
-// vantage-replay: reruns the estimator and fusion on a log in one process, without loss and as fast
+// vantage-replay: reruns estimators and fusion on a log in one process, without loss and as fast
 // as they compute.
 
 #include <unistd.h>
@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "bus/event_log.h"
 #include "bus/log_bus.h"
@@ -15,9 +16,10 @@
 #include "common/format.h"
 #include "nodes/command_line.h"
 #include "nodes/config_reader.h"
+#include "nodes/estimator_node.h"
 #include "nodes/fusion_node.h"
 #include "nodes/ppf_config.h"
-#include "nodes/estimator_node.h"
+#include "nodes/shot_config.h"
 #include "tools/support/object_table.h"
 #include "vantage/log_header_t.hpp"
 #include "vantage/object_estimates_v2_t.hpp"
@@ -35,6 +37,7 @@ struct Arguments {
   std::string config;
   std::string output;
   bool with_inputs = false;
+  std::vector<std::string> estimators = {"ppf"};
 };
 
 /// The text of a configuration and where it came from.
@@ -66,20 +69,40 @@ Result<ConfigReader> OpenConfig(const Arguments& arguments) {
 
 /// The nodes of one rerun. They outlive the bus's last step.
 struct Nodes {
-  std::unique_ptr<Node> estimator;
+  std::vector<std::unique_ptr<Node>> estimators;
   std::unique_ptr<Node> fusion;
 };
 
+Result<std::unique_ptr<Node>> MakeEstimator(Bus& bus,
+                                            const Arguments& arguments,
+                                            const std::string& name) {
+  // A reader each: every process takes its own tables from the file.
+  Result<ConfigReader> config = OpenConfig(arguments);
+  if (!config) return config.error();
+  ProcessOptions options;
+  options.name = name;
+  return name == "ppf" ? MakePpfNode(bus, *config, options) : MakeShotNode(bus, *config, options);
+}
+
+/// The seed of the first estimator. Errors: the config.
+Result<uint64_t> ReadSeed(ConfigReader& config, const std::string& estimator) {
+  if (estimator == "ppf") {
+    const Result<PpfConfig> ppf = ReadPpfConfig(config);
+    if (!ppf) return ppf.error();
+    return ppf->seed;
+  }
+  const Result<ShotConfig> shot = ReadShotConfig(config);
+  if (!shot) return shot.error();
+  return shot->seed;
+}
+
 Result<Nodes> MakeNodes(Bus& bus, const Arguments& arguments) {
   Nodes nodes;
-  // A reader each: every process takes its own tables from the file.
-  Result<ConfigReader> ppf_config = OpenConfig(arguments);
-  if (!ppf_config) return ppf_config.error();
-  ProcessOptions options;
-  options.name = "ppf";
-  Result<std::unique_ptr<Node>> estimator = MakePpfNode(bus, *ppf_config, options);
-  if (!estimator) return estimator.error();
-  nodes.estimator = std::move(estimator).value();
+  for (const std::string& name : arguments.estimators) {
+    Result<std::unique_ptr<Node>> estimator = MakeEstimator(bus, arguments, name);
+    if (!estimator) return estimator.error();
+    nodes.estimators.push_back(std::move(estimator).value());
+  }
 
   Result<ConfigReader> config = OpenConfig(arguments);
   if (!config) return config.error();
@@ -142,8 +165,8 @@ Result<void> Replay(const Arguments& arguments) {
   if (arguments.config.empty()) {
     std::fprintf(stderr, "vantage-replay: configuration from the log's LOG_HEADER\n");
   }
-  const Result<PpfConfig> ppf_config = ReadPpfConfig(*config);
-  if (!ppf_config) return ppf_config.error();
+  const Result<uint64_t> seed = ReadSeed(*config, arguments.estimators.front());
+  if (!seed) return seed.error();
 
   std::unique_ptr<EventLogWriter> writer;
   if (!arguments.output.empty()) {
@@ -156,7 +179,7 @@ Result<void> Replay(const Arguments& arguments) {
   options.copy_inputs = arguments.with_inputs;
   options.header.version = VANTAGE_VERSION;
   options.header.config_text = config->text();
-  options.header.seed = static_cast<int64_t>(ppf_config->seed);
+  options.header.seed = static_cast<int64_t>(*seed);
   Result<std::unique_ptr<LogBus>> bus =
       LogBus::Create(options, std::move(reader).value(), writer.get());
   if (!bus) return bus.error();
@@ -193,13 +216,15 @@ Result<void> Replay(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   vantage::Arguments arguments;
-  CLI::App app("Reruns the estimator and fusion on a log, in one process and without loss",
+  CLI::App app("Reruns estimators and fusion on a log, in one process and without loss",
                "vantage-replay");
   app.add_option("log", arguments.log, "LCM event log")->required();
   app.add_option("--config,-c",
                  arguments.config,
                  "TOML file of the set-up; default: the one in the log's LOG_HEADER");
   app.add_option("--output,-o", arguments.output, "log to write what is recomputed to");
+  app.add_option("--estimator", arguments.estimators, "ppf, shot, or both; default: ppf")
+      ->check(CLI::IsMember({"ppf", "shot"}));
   app.add_flag("--with-inputs", arguments.with_inputs, "copy what is read into the output too");
   if (const std::optional<int> code = vantage::ParseCommandLine(app, argc, argv)) return *code;
   if (const vantage::Result<void> done = vantage::Replay(arguments); !done) {

@@ -22,6 +22,7 @@
 #include "nodes/fusion_config.h"
 #include "nodes/openni2_config.h"
 #include "nodes/ppf_config.h"
+#include "nodes/shot_config.h"
 #include "nodes/process.h"
 #include "nodes/sim_config.h"
 
@@ -164,6 +165,8 @@ const std::map<std::string, ReadConfig>& Readers() {
       {"vantage-openni2",
        [](ConfigReader& config) { return Finish(config, ReadOpenni2Config(config, "openni2")); }},
       {"vantage-ppf", [](ConfigReader& config) { return Finish(config, ReadPpfConfig(config)); }},
+      {"vantage-shot",
+       [](ConfigReader& config) { return Finish(config, ReadShotConfig(config)); }},
       {"vantage-fusion",
        [](ConfigReader& config) { return Finish(config, ReadFusionConfig(config)); }},
       {"vantage-sim-arm",
