@@ -45,20 +45,6 @@ VANTAGE_SIMD void RangeAlongRow(
   }
 }
 
-// As RangeAlongRow, for every `step`-th place.
-void RangeAlongRow(const float* low,
-                   const float* high,
-                   size_t count,
-                   int reach,
-                   size_t step,
-                   float* least,
-                   float* greatest) {
-  for (size_t i = 0; i < count; ++i) {
-    least[i] = *std::min_element(low + i * step, low + i * step + 2 * reach + 1);
-    greatest[i] = *std::max_element(high + i * step, high + i * step + 2 * reach + 1);
-  }
-}
-
 PixelWindow Joined(const PixelWindow& a, const PixelWindow& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;
@@ -113,10 +99,11 @@ const ObservedImage::Level& ObservedImage::Prepare(int step, const PixelWindow& 
   Level& level = Find(step);
   const PixelWindow asked = CutTo(window, level.width, level.height);
   if (asked.empty() || (!level.prepared.empty() && Holds(level.prepared, asked))) return level;
-  constexpr int kAhead = 16;  // Hypotheses lie about the same place.
+  constexpr int kAheadPx = 16;  // Of the image: hypotheses lie about the same place.
+  const int ahead = (kAheadPx + step - 1) / step;
   const PixelWindow before = level.prepared;
   const PixelWindow after = CutTo(
-      Joined(before, {asked.u0 - kAhead, asked.v0 - kAhead, asked.u1 + kAhead, asked.v1 + kAhead}),
+      Joined(before, {asked.u0 - ahead, asked.v0 - ahead, asked.u1 + ahead, asked.v1 + ahead}),
       level.width,
       level.height);
   level.prepared = after;
@@ -166,19 +153,19 @@ void ObservedImage::FillRange(int first, int last, int row, Level* level) {
                &low_[static_cast<size_t>(from - u0)],
                &high_[static_cast<size_t>(from - u0)]);
   }
-  float* least = &level->nearest[level->Index(first, row)];
-  float* greatest = &level->farthest[level->Index(first, row)];
-  const auto count = static_cast<size_t>(last - first + 1);
+  const auto count = static_cast<size_t>(last - first) * static_cast<size_t>(level->step) + 1;
+  float* nearest = &level->nearest[level->Index(first, row)];
+  float* farthest = &level->farthest[level->Index(first, row)];
   if (level->step == 1) {
-    RangeAlongRow(low_.data(), high_.data(), count, edge_px_, least, greatest);
-  } else {
-    RangeAlongRow(low_.data(),
-                  high_.data(),
-                  count,
-                  edge_px_,
-                  static_cast<size_t>(level->step),
-                  least,
-                  greatest);
+    RangeAlongRow(low_.data(), high_.data(), count, edge_px_, nearest, farthest);
+    return;
+  }
+  least_.resize(count);
+  greatest_.resize(count);
+  RangeAlongRow(low_.data(), high_.data(), count, edge_px_, least_.data(), greatest_.data());
+  for (size_t i = 0; i < count; i += static_cast<size_t>(level->step)) {
+    *nearest++ = least_[i];
+    *farthest++ = greatest_[i];
   }
 }
 

@@ -62,8 +62,10 @@ class ObservedImage {
   std::optional<SegmentedImage> image_;
   int edge_px_ = 0;
   std::vector<Level> levels_;
-  std::vector<float> low_;   // Scratch: a row's least depths over the rows around it.
-  std::vector<float> high_;  // Scratch.
+  std::vector<float> low_;       // Scratch: a row's least depths over the rows around it.
+  std::vector<float> high_;      // Scratch: greatest depths.
+  std::vector<float> least_;     // Scratch: of these, the least over the columns around.
+  std::vector<float> greatest_;  // Scratch.
 };
 
 }  // namespace vantage
