@@ -5,7 +5,7 @@
 
 #include "common/format.h"
 #include "perception/ppf/self_alignment.h"
-#include "perception/verification/mesh_simplification.h"
+#include "perception/verification/mesh_decimation.h"
 
 namespace vantage {
 namespace {
@@ -15,8 +15,6 @@ constexpr double kGridCell = 0.02;   // Of the diameter.
 constexpr size_t kGridPoints = 4000;
 constexpr uint64_t kGridSeed = 1;
 constexpr uint64_t kSelfSeed = 2;
-constexpr size_t kManyTriangles = 8000;
-constexpr double kQuickCell = 0.02;  // Of the diameter.
 constexpr double kSmallest = 0.005;  // m, diameter; a depth camera does not resolve less.
 constexpr double kLargest = 5.0;     // m
 
@@ -47,10 +45,7 @@ Result<KnownModel> MakeKnownModel(ObjectModel object, const PpfTable& table) {
                         kSmallest,
                         kLargest)};
   }
-  TriangleMesh coarse = object.mesh;
-  if (coarse.triangles.size() > kManyTriangles) {
-    coarse = SimplifyMesh(object.mesh, kQuickCell * object.diameter);
-  }
+  TriangleMesh coarse = DecimateMesh(object.mesh, kFineLevel);
   DrawableMesh mesh(object.mesh);
   const double radius = RadiusAboutCenter(object);
   NearestGrid grid = MakeGrid(object);
