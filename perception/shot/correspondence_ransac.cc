@@ -24,6 +24,10 @@ constexpr size_t kColumns = 12;
 // Poses nearer than this, and than the inlier distance, are one.
 constexpr double kSameAngle = 8.0 * kDegree;
 
+bool HasMoreInliers(const ConsensusPose& a, const ConsensusPose& b) {
+  return a.inliers > b.inliers;
+}
+
 float AngleBetween(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return std::acos(std::clamp(a.dot(b), -1.0F, 1.0F));
 }
@@ -332,9 +336,10 @@ std::span<const ConsensusPose> CorrespondenceRansac::Run(std::span<const Corresp
     }
   }
   for (ConsensusPose& pose : kept_) Refit(all, &pose);
-  std::stable_sort(kept_.begin(), kept_.end(), [](const ConsensusPose& a, const ConsensusPose& b) {
-    return a.inliers > b.inliers;
-  });
+  // By insertion: stable, and without memory of its own.
+  for (auto pose = kept_.begin(); pose != kept_.end(); ++pose) {
+    std::rotate(std::upper_bound(kept_.begin(), pose, *pose, HasMoreInliers), pose, pose + 1);
+  }
   return kept_;
 }
 

@@ -140,9 +140,13 @@ void ShotProposer::Rank(const Model& model, std::span<const ConsensusPose> poses
         {pose.T_query_match,
          ScoreOnSurface(model.surface, pose.T_query_match, scene_, model.ransac.inlier_distance)});
   }
-  std::stable_sort(ranked_.begin(), ranked_.end(), [](const auto& a, const auto& b) {
+  // By insertion: stable, and without memory of its own.
+  const auto has_more = [](const PoseHypothesis& a, const PoseHypothesis& b) {
     return a.votes > b.votes;
-  });
+  };
+  for (auto pose = ranked_.begin(); pose != ranked_.end(); ++pose) {
+    std::rotate(std::upper_bound(ranked_.begin(), pose, *pose, has_more), pose, pose + 1);
+  }
   hypotheses_.clear();
   const double same_place = kSamePlace * model.shot.diameter();
   for (const PoseHypothesis& pose : ranked_) {
