@@ -1,6 +1,7 @@
 #include "common/symmetry_group.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/check.h"
@@ -60,24 +61,28 @@ SymmetryGroup SymmetryGroup::Continuous(const Eigen::Vector3d& axis, bool flips)
 Eigen::Quaterniond NearestEquivalent(const SymmetryGroup& group,
                                      const Eigen::Quaterniond& q,
                                      const Eigen::Quaterniond& reference) {
-  std::vector<Eigen::Quaterniond> candidates;
+  Eigen::Quaterniond best;
+  double least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const Eigen::Quaterniond& candidate) {
+    const double angle = GeodesicAngle(candidate, reference);
+    if (angle < least) {
+      least = angle;
+      best = candidate;
+    }
+  };
   if (group.kind == SymmetryGroup::Kind::kFinite) {
-    for (const Eigen::Quaterniond& element : group.elements) candidates.push_back(q * element);
+    VANTAGE_CHECK(!group.elements.empty(), "a symmetry group without the identity");
+    best = q * group.elements.front();
+    for (const Eigen::Quaterniond& element : group.elements) consider(q * element);
   } else {
-    candidates.push_back(BestTwist(q, reference, group.axis));
+    best = BestTwist(q, reference, group.axis);
+    consider(best);
     if (group.flips) {
       const Eigen::Quaterniond flip = ExpSo3(std::numbers::pi * group.axis.unitOrthogonal());
-      candidates.push_back(BestTwist(q * flip, reference, group.axis));
+      consider(BestTwist(q * flip, reference, group.axis));
     }
   }
-  VANTAGE_CHECK(!candidates.empty(), "a symmetry group without the identity");
-  size_t best = 0;
-  for (size_t i = 1; i < candidates.size(); ++i) {
-    if (GeodesicAngle(candidates[i], reference) < GeodesicAngle(candidates[best], reference)) {
-      best = i;
-    }
-  }
-  return candidates[best];
+  return best;
 }
 
 double SymmetricAngle(const SymmetryGroup& group,

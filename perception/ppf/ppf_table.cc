@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "common/format.h"
+#include "perception/ppf/pair_features.h"
 
 namespace vantage {
 
@@ -32,8 +33,9 @@ Result<void> PpfTableParameters::Validate() const {
 }
 
 uint16_t QuantizeTurn(float angle) {
-  const float units = angle * (65536.0F / (2.0F * std::numbers::pi_v<float>));
-  return static_cast<uint16_t>(std::lround(units) & 0xffff);
+  // Shifted by a whole turn, so that cutting off rounds.
+  const float units = angle * (65536.0F / (2.0F * std::numbers::pi_v<float>)) + 65536.5F;
+  return static_cast<uint16_t>(static_cast<int32_t>(units) & 0xffff);
 }
 
 std::vector<SurfacePoint> ThinSamples(std::span<const SurfacePoint> samples,
@@ -155,17 +157,22 @@ Result<PpfTable> PpfTable::Train(std::span<const SurfacePoint> samples,
   std::vector<uint32_t> cells(size * size);
   constexpr uint32_t kNone = 0xffffffffU;
   table.starts_.assign(table.NumCells() + 1, 0);
+  SurfaceLanes lanes;
+  lanes.Assign(table.points_);
+  PairFeatures features;
   for (size_t i = 0; i < size; ++i) {
-    const Eigen::Isometry3f T = AlignToXAxis(table.points_[i]);
+    ComputePairFeatures(table.points_[i], lanes, &features);
     for (size_t j = 0; j < size; ++j) {
       const size_t pair = i * size + j;
       cells[pair] = kNone;
       if (i == j) continue;
-      const Bins bins = table.Quantize(ComputePointPairFeature(table.points_[i], table.points_[j]));
+      const Bins bins = table.Quantize({features.distance[j],
+                                        features.angle_normal1[j],
+                                        features.angle_normal2[j],
+                                        features.angle_normals[j]});
       if (bins[0] >= table.distance_bins_) continue;
       cells[pair] = static_cast<uint32_t>(table.Cell(bins));
-      unsorted[pair] = {static_cast<uint16_t>(i),
-                        QuantizeTurn(AngleAboutX(T, table.points_[j].position))};
+      unsorted[pair] = {static_cast<uint16_t>(i), QuantizeTurn(features.turn[j])};
       ++table.starts_[cells[pair] + 1];
     }
   }

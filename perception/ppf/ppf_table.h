@@ -57,10 +57,20 @@ class PpfTable {
   [[nodiscard]] const PpfTableParameters& parameters() const { return parameters_; }
   [[nodiscard]] size_t num_entries() const { return entries_.size(); }
 
+  [[nodiscard]] int distance_bins() const { return distance_bins_; }
+  [[nodiscard]] int angle_bins() const { return angle_bins_; }
+  [[nodiscard]] float distance_scale() const { return distance_scale_; }  ///< bins/m
+  [[nodiscard]] float angle_scale() const { return angle_scale_; }        ///< bins/rad
+  /// Of bins inside the table, ((distance * n + angle_normal1) * n + angle_normal2) * n +
+  /// angle_normals with n = angle_bins().
+  [[nodiscard]] size_t Cell(const Bins& bins) const;
+  /// Where each cell begins in entries(), and the end.
+  [[nodiscard]] std::span<const uint32_t> starts() const { return starts_; }
+  [[nodiscard]] std::span<const Entry> entries() const { return entries_; }
+
  private:
   PpfTable() = default;
   void SetScale();
-  [[nodiscard]] size_t Cell(const Bins& bins) const;
   [[nodiscard]] size_t NumCells() const;
   [[nodiscard]] Result<void> CheckConsistent() const;
 

@@ -16,7 +16,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the file is little-endian");
 static_assert(sizeof(PpfTable::Entry) == 4 && sizeof(SurfacePoint) == 24);
 
-constexpr std::array<char, 8> kMagic = {'V', 'N', 'T', 'G', 'P', 'P', 'F', '1'};
+constexpr std::array<char, 8> kMagic = {'V', 'N', 'T', 'G', 'P', 'P', 'F', '2'};
 
 // What precedes points, starts and entries in the file.
 struct Header {

@@ -1,63 +1,40 @@
 #include "perception/ppf/ppf_voting.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <numeric>
 
 #include "common/format.h"
+#include "common/simd.h"
 
 namespace vantage {
 namespace {
 
-// One dimension's bins that a feature votes in: its own, and a neighbor when the border is near.
-struct BinRange {
-  int first;
-  int last;
-};
+constexpr int kMaxVotes = 30000;  // Of a reference: sums of three counts fit into 16 bits.
 
-BinRange Range(float scaled, int own, float spread) {
-  const float within = scaled - static_cast<float>(own);
-  return {within < spread ? own - 1 : own, within > 1.0F - spread ? own + 1 : own};
+[[gnu::always_inline]] inline void Load(const float* from, F8* to) {
+  std::memcpy(to, from, sizeof(F8));
 }
 
-struct Peak {
-  size_t model_point;
-  double turn;  // rad
-  double votes;
-};
+[[gnu::always_inline]] inline void Store(const I8& from, int32_t* to) {
+  std::memcpy(to, &from, sizeof(I8));
+}
 
-// The best turn of every model point, of which the best points; ties by index.
-std::vector<Peak> FindPeaks(const VoteCounts& counts, size_t num_points, int turn_bins, int keep) {
-  const auto bins = static_cast<size_t>(turn_bins);
-  std::vector<std::pair<uint32_t, uint32_t>> best(num_points);  // votes, bin
-  for (size_t point = 0; point < num_points; ++point) {
-    const uint32_t* row = counts.data() + point * bins;
-    for (size_t bin = 0; bin < bins; ++bin) {
-      const uint32_t votes = row[(bin + bins - 1) % bins] + row[bin] + row[(bin + 1) % bins];
-      if (votes > best[point].first) best[point] = {votes, static_cast<uint32_t>(bin)};
-    }
-  }
-  std::vector<uint32_t> order(num_points);
-  std::iota(order.begin(), order.end(), 0U);
-  const size_t count = std::min(static_cast<size_t>(keep), num_points);
-  std::partial_sort(order.begin(),
-                    order.begin() + static_cast<std::ptrdiff_t>(count),
-                    order.end(),
-                    [&best](uint32_t a, uint32_t b) {
-                      return best[a].first != best[b].first ? best[a].first > best[b].first : a < b;
-                    });
-  std::vector<Peak> peaks;
-  for (size_t i = 0; i < count; ++i) {
-    const auto [votes, bin] = best[order[i]];
-    if (votes == 0) break;
-    const uint32_t* row = counts.data() + order[i] * bins;
-    const double before = row[(bin + bins - 1) % bins];
-    const double after = row[(bin + 1) % bins];
-    const double center = bin + 0.5 + (after - before) / votes;
-    peaks.push_back({order[i], 2.0 * std::numbers::pi * center / turn_bins, double{1} * votes});
-  }
-  return peaks;
+// One dimension: the lowest bin in which a feature votes, and whether the next one is another.
+[[gnu::always_inline]] inline void Spread(
+    const F8& scaled, float spread, int32_t last_bin, I8* lowest, I8* is_double) {
+  I8 own = __builtin_convertvector(scaled, I8);
+  own = own > last_bin ? own * 0 + last_bin : own;
+  own = own < 0 ? own * 0 : own;
+  const F8 within = scaled - __builtin_convertvector(own, F8);
+  const I8 below = (within < spread) & (own > 0);
+  const I8 above = (within > 1.0F - spread) & (own < last_bin);
+  *lowest = own + below;  // Comparisons give -1.
+  *is_double = below | above;
 }
 
 }  // namespace
@@ -79,6 +56,12 @@ Result<void> PpfVotingParameters::Validate() const {
                         turn_bins,
                         spread)};
   }
+  if (votes_per_reference < 1 || votes_per_reference > kMaxVotes) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        Format(
+            "voting: votes_per_reference = %d, expected 1 to %d", votes_per_reference, kMaxVotes)};
+  }
   if (peaks_per_reference < 1 || max_hypotheses < 1 || !(cluster_distance > 0.0) ||
       !(cluster_angle_deg > 0.0)) {
     return Error{ErrorCode::kInvalidArgument,
@@ -92,41 +75,191 @@ Result<void> PpfVotingParameters::Validate() const {
   return {};
 }
 
-void AccumulateVotes(const PpfTable& table,
-                     std::span<const SurfacePoint> scene,
-                     size_t reference,
-                     const PpfVotingParameters& parameters,
-                     VoteCounts* counts) {
-  const auto turn_bins = static_cast<uint32_t>(parameters.turn_bins);
+size_t PpfVotingParameters::NumReferences(size_t scene_points) const {
+  const auto share =
+      static_cast<int>(std::ceil(reference_share * static_cast<double>(scene_points)));
+  return std::min(scene_points,
+                  static_cast<size_t>(std::clamp(share, min_references, max_references)));
+}
+
+VANTAGE_SIMD
+void PpfVoting::FindCells(const PpfTable& table, const PpfVotingParameters& parameters) {
+  const size_t padded = features_.distance.size();
+  cells_.base.resize(padded);
+  cells_.up.resize(padded);
   const auto spread = static_cast<float>(parameters.spread);
-  counts->assign(table.points().size() * turn_bins, 0);
-  uint32_t* const votes = counts->data();
-  const Eigen::Isometry3f T_aligned = AlignToXAxis(scene[reference]);
-  const float farthest = 1.05F * static_cast<float>(table.diameter());
-  for (size_t other = 0; other < scene.size(); ++other) {
-    if (other == reference) continue;
-    const PointPairFeature feature = ComputePointPairFeature(scene[reference], scene[other]);
-    if (feature.distance > farthest) continue;
-    const uint16_t scene_turn = QuantizeTurn(AngleAboutX(T_aligned, scene[other].position));
-    const std::array<float, 4> scaled = table.Scale(feature);
-    const PpfTable::Bins own = table.Quantize(feature);
-    std::array<BinRange, 4> range{};
-    for (size_t i = 0; i < 4; ++i) range[i] = Range(scaled[i], own[i], spread);
-    PpfTable::Bins bins{};
-    for (bins[0] = range[0].first; bins[0] <= range[0].last; ++bins[0]) {
-      for (bins[1] = range[1].first; bins[1] <= range[1].last; ++bins[1]) {
-        for (bins[2] = range[2].first; bins[2] <= range[2].last; ++bins[2]) {
-          for (bins[3] = range[3].first; bins[3] <= range[3].last; ++bins[3]) {
-            for (const PpfTable::Entry& entry : table.Lookup(bins)) {
-              const auto turn = static_cast<uint16_t>(entry.angle - scene_turn);
-              const uint32_t bin = (turn * turn_bins) >> 16U;
-              ++votes[entry.reference * turn_bins + bin];
-            }
-          }
-        }
+  const int32_t angles = table.angle_bins();
+  const int32_t distances = table.distance_bins();
+  const float farthest = static_cast<float>(distances) + spread;
+  for (size_t i = 0; i < padded; i += kLanes) {
+    F8 scaled;
+    Load(&features_.distance[i], &scaled);
+    scaled *= table.distance_scale();
+    const I8 is_near = (scaled > 0.0F) & (scaled < farthest);
+    scaled = is_near ? scaled : scaled * 0.0F;
+    I8 base;
+    I8 lowest;
+    I8 is_double;
+    Spread(scaled, spread, distances - 1, &base, &is_double);
+    I8 up = is_double & 1;
+    const std::array<const std::vector<float>*, 3> rows = {
+        &features_.angle_normal1, &features_.angle_normal2, &features_.angle_normals};
+    for (int k = 0; k < 3; ++k) {
+      Load(rows[static_cast<size_t>(k)]->data() + i, &scaled);
+      scaled *= table.angle_scale();
+      Spread(scaled, spread, angles - 1, &lowest, &is_double);
+      base = base * angles + lowest;
+      up |= is_double & (2 << k);
+    }
+    Store(is_near ? base : base * 0 - 1, &cells_.base[i]);
+    Store(up, &cells_.up[i]);
+  }
+}
+
+namespace {
+
+// Calls `visit(first, end)` with each run of a pair's cells.
+template <class Visit>
+[[gnu::always_inline]] inline void ForEachRun(int32_t base,
+                                              int32_t up,
+                                              int32_t angles,
+                                              Visit visit) {
+  const int32_t run = (up & 8) != 0 ? 2 : 1;
+  for (int32_t d = 0; d <= (up & 1); ++d) {
+    for (int32_t first = 0; first <= (up >> 1 & 1); ++first) {
+      for (int32_t second = 0; second <= (up >> 2 & 1); ++second) {
+        const int32_t cell = base + ((d * angles + first) * angles + second) * angles;
+        visit(static_cast<size_t>(cell), static_cast<size_t>(cell + run));
       }
     }
   }
+}
+
+}  // namespace
+
+// A counting sort by the pairs' number of entries, where a factor of 2^(1/2) makes a class.
+void PpfVoting::SortByRarity(const PpfTable& table, size_t reference) {
+  const std::span<const uint32_t> starts = table.starts();
+  const size_t padded = cells_.base.size();
+  sizes_.resize(padded);
+  order_.clear();
+  constexpr size_t kClasses = 64;
+  const auto rarity = [](uint32_t size) -> size_t {
+    const int top = std::bit_width(size);
+    return static_cast<size_t>(2 * top) + (top > 1 ? (size >> (top - 2) & 1U) : 0U);
+  };
+  std::array<uint32_t, kClasses + 1> next{};
+  for (size_t i = 0; i < padded; ++i) {
+    uint32_t size = 0;
+    if (cells_.base[i] >= 0 && i != reference) {
+      ForEachRun(cells_.base[i], cells_.up[i], table.angle_bins(), [&](size_t first, size_t end) {
+        size += starts[end] - starts[first];
+      });
+    }
+    sizes_[i] = std::min(size, 0x3fffffffU);
+    if (size > 0) ++next[rarity(sizes_[i]) + 1];
+  }
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  order_.resize(next.back());
+  for (size_t i = 0; i < padded; ++i) {
+    if (sizes_[i] > 0) order_[next[rarity(sizes_[i])]++] = static_cast<uint32_t>(i);
+  }
+}
+
+size_t PpfVoting::Vote(const PpfTable& table, uint32_t pair, size_t budget) {
+  const std::span<const uint32_t> starts = table.starts();
+  const PpfTable::Entry* const entries = table.entries().data();
+  const uint16_t scene_turn = QuantizeTurn(features_.turn[pair]);
+  const auto bins = static_cast<uint32_t>(turn_bins_);
+  const size_t stride = stride_;
+  int16_t* const counts = counts_.data();
+  size_t left = budget;
+  ForEachRun(cells_.base[pair], cells_.up[pair], table.angle_bins(), [&](size_t first, size_t end) {
+    const size_t begin = starts[first];
+    const size_t count = std::min<size_t>(starts[end] - begin, left);
+    left -= count;
+    for (size_t i = begin; i < begin + count; ++i) {
+      const PpfTable::Entry entry = entries[i];
+      const auto turn = static_cast<uint16_t>(entry.angle - scene_turn);
+      ++counts[entry.reference * stride + ((turn * bins) >> 16U)];
+    }
+  });
+  return budget - left;
+}
+
+void PpfVoting::Accumulate(const PpfTable& table,
+                           const SurfaceLanes& scene,
+                           size_t reference,
+                           const PpfVotingParameters& parameters) {
+  num_points_ = table.points().size();
+  turn_bins_ = static_cast<size_t>(parameters.turn_bins);
+  stride_ = (turn_bins_ + 2 + 7) / 8 * 8;
+  counts_.assign(num_points_ * stride_, 0);
+  ComputePairFeatures(scene.at(reference), scene, &features_);
+  FindCells(table, parameters);
+  SortByRarity(table, reference);
+  auto left = static_cast<size_t>(parameters.votes_per_reference);
+  for (const uint32_t pair : order_) {
+    if (left == 0) break;
+    left -= Vote(table, pair, left);
+  }
+}
+
+// Turns wrap around: each row ends with its first two counts again.
+void PpfVoting::CloseRows() {
+  for (size_t point = 0; point < num_points_; ++point) {
+    int16_t* const row = counts_.data() + point * stride_;
+    row[turn_bins_] = row[0];
+    row[turn_bins_ + 1] = row[1];
+  }
+}
+
+VANTAGE_SIMD
+void PpfVoting::MaximizeRows() {
+  best_.resize(num_points_);
+  for (size_t point = 0; point < num_points_; ++point) {
+    const int16_t* const row = counts_.data() + point * stride_;
+    int16_t best = 0;
+    for (size_t bin = 0; bin < turn_bins_; ++bin) {
+      const auto votes = static_cast<int16_t>(row[bin] + row[bin + 1] + row[bin + 2]);
+      best = best > votes ? best : votes;
+    }
+    best_[point] = best;
+  }
+}
+
+std::span<const PpfVoting::Peak> PpfVoting::FindPeaks(size_t keep) {
+  CloseRows();
+  MaximizeRows();
+  // The count that `keep` points reach.
+  int16_t threshold = 0;
+  for (const int16_t best : best_) threshold = std::max(threshold, best);
+  histogram_.assign(static_cast<size_t>(threshold) + 1, 0);
+  for (const int16_t best : best_) ++histogram_[static_cast<size_t>(best)];
+  size_t above = 0;
+  while (threshold > 1 && above + histogram_[static_cast<size_t>(threshold)] < keep) {
+    above += histogram_[static_cast<size_t>(threshold--)];
+  }
+  // Of those that just reach it the first.
+  size_t ties = keep > above ? keep - above : 0;
+  peaks_.clear();
+  for (size_t point = 0; point < num_points_; ++point) {
+    const int16_t best = best_[point];
+    if (best == 0 || best < threshold) continue;
+    if (best == threshold && ties-- == 0) {
+      ++ties;
+      continue;
+    }
+    const int16_t* row = counts_.data() + point * stride_;
+    size_t bin = 0;
+    while (row[bin] + row[bin + 1] + row[bin + 2] != best) ++bin;
+    const auto votes = static_cast<float>(best);
+    const float center =
+        static_cast<float>(bin) + 1.5F + static_cast<float>(row[bin + 2] - row[bin]) / votes;
+    const float turn = 2.0F * std::numbers::pi_v<float> * center / static_cast<float>(turn_bins_);
+    peaks_.push_back({static_cast<uint32_t>(point), turn, votes});
+  }
+  return peaks_;
 }
 
 Pose PoseFromAlignment(const SurfacePoint& scene_point,
@@ -147,23 +280,22 @@ std::vector<PoseHypothesis> VotePoses(const PpfTable& table,
                                       Rng& rng) {
   std::vector<uint32_t> order(scene.size());
   std::iota(order.begin(), order.end(), 0U);
-  const auto share =
-      static_cast<int>(std::ceil(parameters.reference_share * static_cast<double>(scene.size())));
-  const size_t references = std::min(
-      scene.size(),
-      static_cast<size_t>(std::clamp(share, parameters.min_references, parameters.max_references)));
-  VoteCounts counts;
+  const size_t references = parameters.NumReferences(scene.size());
+  SurfaceLanes lanes;
+  lanes.Assign(scene);
+  PpfVoting voting;
   std::vector<PoseHypothesis> hypotheses;
   for (size_t i = 0; i < references; ++i) {
     // A random subset, drawn one by one (Fisher-Yates).
     std::swap(order[i], order[i + rng.Below(static_cast<uint32_t>(order.size() - i))]);
     const size_t reference = order[i];
-    AccumulateVotes(table, scene, reference, parameters, &counts);
-    for (const Peak& peak : FindPeaks(
-             counts, table.points().size(), parameters.turn_bins, parameters.peaks_per_reference)) {
+    voting.Accumulate(table, lanes, reference, parameters);
+    for (const PpfVoting::Peak& peak :
+         voting.FindPeaks(static_cast<size_t>(parameters.peaks_per_reference))) {
       hypotheses.push_back(
-          {PoseFromAlignment(scene[reference], table.points()[peak.model_point], peak.turn),
-           peak.votes});
+          {PoseFromAlignment(
+               scene[reference], table.points()[peak.model_point], static_cast<double>(peak.turn)),
+           static_cast<double>(peak.votes)});
     }
   }
   return ClusterPoses(std::move(hypotheses),

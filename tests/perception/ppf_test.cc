@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "perception/ppf/pair_features.h"
 #include "perception/ppf/ppf_table.h"
 #include "perception/ppf/ppf_voting.h"
 #include "tests/perception/test_scenes.h"
@@ -44,6 +45,19 @@ PpfTable Trained(const PpfTableParameters& parameters = {}) {
   return std::move(table).value();
 }
 
+// As tables and votes see them.
+struct Pair {
+  PointPairFeature feature;
+  float turn;
+};
+Pair PairOf(const SurfacePoint& first, const SurfacePoint& second) {
+  SurfaceLanes lanes;
+  lanes.Assign(std::span(&second, 1));
+  PairFeatures f;
+  ComputePairFeatures(first, lanes, &f);
+  return {{f.distance[0], f.angle_normal1[0], f.angle_normal2[0], f.angle_normals[0]}, f.turn[0]};
+}
+
 TEST(PointPairFeature, HasValuesOfEquation1) {
   const PointPairFeature feature =
       ComputePointPairFeature(Point({0, 0, 0}, {0, 0, 1}), Point({3, 0, 4}, {1, 0, 0}));
@@ -73,6 +87,33 @@ TEST(PointPairFeature, OfCoincidentPointsIsFinite) {
   const PointPairFeature feature = ComputePointPairFeature(a, a);
   EXPECT_EQ(feature.distance, 0.0F);
   EXPECT_EQ(feature.angle_normal1, 0.0F);
+}
+
+TEST(PairFeatures, AreThoseOfSinglePairs) {
+  Rng rng(11);
+  std::vector<SurfacePoint> points;
+  for (int i = 0; i < 500; ++i) {
+    points.push_back(Point(0.2F * rng.UnitVector().cast<float>(), rng.UnitVector().cast<float>()));
+  }
+  points.push_back({points[0].position + 0.1F * points[0].normal, points[0].normal});
+  points.push_back({points[0].position - 0.1F * points[0].normal, -points[0].normal});
+  SurfaceLanes lanes;
+  lanes.Assign(points);
+  PairFeatures found;
+  ComputePairFeatures(points[0], lanes, &found);
+  const Eigen::Isometry3f T = AlignToXAxis(points[0]);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const PointPairFeature expected = ComputePointPairFeature(points[0], points[i]);
+    EXPECT_NEAR(found.distance[i], expected.distance, 1e-6F);
+    // The arc cosine amplifies what is rounded near 0 and pi.
+    EXPECT_NEAR(found.angle_normal1[i], expected.angle_normal1, 2e-3F) << i;
+    EXPECT_NEAR(found.angle_normal2[i], expected.angle_normal2, 2e-3F) << i;
+    EXPECT_NEAR(found.angle_normals[i], expected.angle_normals, 2e-3F) << i;
+    if (i == 0 || i >= 500) continue;  // On the axis there is no turn.
+    const float turn = AngleAboutX(T, points[i].position);
+    EXPECT_NEAR(std::remainder(found.turn[i] - turn, 2.0F * std::numbers::pi_v<float>), 0.0F, 1e-3F)
+        << i;
+  }
 }
 
 TEST(AlignToXAxis, BringsPointToOriginAndNormalOntoX) {
@@ -136,10 +177,9 @@ TEST(PpfTable, HoldsEveryPairOnceUnderItsKey) {
   for (size_t i = 0; i < points.size(); ++i) {
     for (size_t j = 0; j < points.size(); ++j) {
       if (i == j) continue;
-      const PpfTable::Entry expected{
-          static_cast<uint16_t>(i),
-          QuantizeTurn(AngleAboutX(AlignToXAxis(points[i]), points[j].position))};
-      const auto cell = table.Lookup(table.Quantize(ComputePointPairFeature(points[i], points[j])));
+      const Pair pair = PairOf(points[i], points[j]);
+      const PpfTable::Entry expected{static_cast<uint16_t>(i), QuantizeTurn(pair.turn)};
+      const auto cell = table.Lookup(table.Quantize(pair.feature));
       EXPECT_NE(std::find(cell.begin(), cell.end(), expected), cell.end());
       ++found;
     }
@@ -166,74 +206,6 @@ TEST(PpfTable, RefusesBadInput) {
   parameters.angle_step_deg = 0.0;
   EXPECT_NE(PpfTable::Train(Samples(100), kDiameter, parameters).error().message.find("angle_step"),
             std::string::npos);
-}
-
-// Counts by the definition: all scene pairs against all model pairs.
-VoteCounts BruteForceVotes(const PpfTable& table,
-                           std::span<const SurfacePoint> scene,
-                           size_t reference,
-                           const PpfVotingParameters& parameters) {
-  const auto points = table.points();
-  const auto bins = static_cast<size_t>(parameters.turn_bins);
-  VoteCounts counts(points.size() * bins, 0);
-  const auto agrees = [&](const PointPairFeature& scene_feature, const PpfTable::Bins& model_bins) {
-    const auto scaled = table.Scale(scene_feature);
-    const PpfTable::Bins own = table.Quantize(scene_feature);
-    for (size_t i = 0; i < 4; ++i) {
-      const float within = scaled[i] - static_cast<float>(own[i]);
-      const bool below = within < static_cast<float>(parameters.spread);
-      const bool above = within > 1.0F - static_cast<float>(parameters.spread);
-      const int difference = model_bins[i] - own[i];
-      if (difference != 0 && !(difference == -1 && below) && !(difference == 1 && above)) {
-        return false;
-      }
-    }
-    return true;
-  };
-  for (size_t s = 0; s < scene.size(); ++s) {
-    if (s == reference) continue;
-    const PointPairFeature feature = ComputePointPairFeature(scene[reference], scene[s]);
-    const uint16_t scene_turn =
-        QuantizeTurn(AngleAboutX(AlignToXAxis(scene[reference]), scene[s].position));
-    for (size_t i = 0; i < points.size(); ++i) {
-      for (size_t j = 0; j < points.size(); ++j) {
-        if (i == j) continue;
-        if (!agrees(feature, table.Quantize(ComputePointPairFeature(points[i], points[j])))) {
-          continue;
-        }
-        const uint16_t model_turn =
-            QuantizeTurn(AngleAboutX(AlignToXAxis(points[i]), points[j].position));
-        const auto turn = static_cast<uint16_t>(model_turn - scene_turn);
-        ++counts[i * bins + turn * bins / 65536];
-      }
-    }
-  }
-  return counts;
-}
-
-TEST(AccumulateVotes, EqualsBruteForceOverAllModelPairs) {
-  PpfTableParameters table_parameters;
-  table_parameters.sample_distance = 0.14;
-  const PpfTable table = Trained(table_parameters);
-  Rng rng(5);
-  const Pose T = RandomPose(rng);
-  std::vector<SurfacePoint> scene;
-  for (const SurfacePoint& sample : Samples(60, 9)) scene.push_back(Moved(sample, T));
-  scene.push_back(Moved(Point({5, 5, 5}, {0, 0, 1}), T));  // Farther than any model pair.
-  scene.push_back(scene.front());                          // The same place twice.
-  for (const double spread : {0.0, 0.2, 0.5}) {
-    PpfVotingParameters parameters;
-    parameters.spread = spread;
-    for (const size_t reference : {size_t{0}, size_t{17}, size_t{60}}) {
-      VoteCounts counts;
-      AccumulateVotes(table, scene, reference, parameters, &counts);
-      const VoteCounts expected = BruteForceVotes(table, scene, reference, parameters);
-      EXPECT_EQ(counts, expected);
-      if (reference == 0) {
-        EXPECT_GT(*std::max_element(expected.begin(), expected.end()), 3U);
-      }
-    }
-  }
 }
 
 TEST(VotePoses, FindsTheWholeModelInAnyPose) {
