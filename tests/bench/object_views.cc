@@ -6,6 +6,7 @@
 #include "common/rng.h"
 #include "drivers/sim/scene_renderer.h"
 #include "drivers/sim/sensor_model.h"
+#include "tools/evaluate/detection_hash.h"
 
 namespace vantage {
 namespace {
