@@ -1,5 +1,6 @@
 // Drawing hypotheses and holding them against an image, beside Embree's rays through the same
-// pixels. Every row goes through the same 64 hypotheses of views at 0.7 m.
+// pixels. Every row goes through the same 64 hypotheses: 16 of each of four views at 0.7 m, one
+// view after another, as they come when a cluster's hypotheses are ranked.
 
 #include <benchmark/benchmark.h>
 #include <embree3/rtcore.h>
@@ -19,7 +20,9 @@
 namespace vantage {
 namespace {
 
-constexpr int kViews = 64;
+constexpr size_t kViews = 4;
+constexpr size_t kHypothesesPerView = 16;
+constexpr size_t kHypotheses = kViews * kHypothesesPerView;
 constexpr CameraModel kCamera;
 
 constexpr double kDiameter = 0.175;  // m
@@ -30,11 +33,11 @@ TriangleMesh Scaled(TriangleMesh mesh) {
   return mesh;
 }
 
-// One view of the object before a wall, and a hypothesis about it.
+// One view of the object before a wall, and hypotheses about it.
 struct View {
   DepthImage depth;
   Segmentation segmentation;
-  Pose hypothesis;
+  std::vector<Pose> hypotheses;
   ObservedImage observed;
 };
 
@@ -53,9 +56,14 @@ struct Fixture {
     for (View& view : views) Make(rng, &view);
   }
   void Make(Rng& rng, View* view) const;
+
+  View& ViewOf(size_t i) { return views[i % kHypotheses / kHypothesesPerView]; }
+  [[nodiscard]] const Pose& Hypothesis(size_t i) const {
+    return views[i % kHypotheses / kHypothesesPerView].hypotheses[i % kHypothesesPerView];
+  }
 };
 
-// The hypothesis is off by up to 20 deg and 20 mm: most are wrong, as they are when ranked.
+// The hypotheses are off by up to 20 deg and 20 mm: most are wrong, as they are when ranked.
 void Fixture::Make(Rng& rng, View* view) const {
   const Eigen::Vector3d place(rng.Uniform(-0.1, 0.1), rng.Uniform(-0.1, 0.1), 0.7);
   const Eigen::Quaterniond rotation = rng.Rotation();
@@ -81,9 +89,11 @@ void Fixture::Make(Rng& rng, View* view) const {
     }
   }
   view->segmentation.clusters.push_back(std::move(cluster));
-  const Eigen::AngleAxisd turn(rng.Uniform(0.0, 20.0) * kDegree, rng.UnitVector());
-  view->hypothesis =
-      pose(Eigen::Quaterniond(turn * rotation), place + rng.Uniform(0.0, 0.02) * rng.UnitVector());
+  for (size_t i = 0; i < kHypothesesPerView; ++i) {
+    const Eigen::AngleAxisd turn(rng.Uniform(0.0, 20.0) * kDegree, rng.UnitVector());
+    view->hypotheses.push_back(pose(Eigen::Quaterniond(turn * rotation),
+                                    place + rng.Uniform(0.0, 0.02) * rng.UnitVector()));
+  }
 }
 
 Fixture& FixtureOf(int64_t triangles) {
@@ -109,9 +119,10 @@ void BM_VerifyHypothesis(benchmark::State& state) {
   size_t i = 0;
   double pixels = 0.0;
   for (auto _ : state) {
-    View& view = fixture.views[i++ % kViews];
-    const Verification result =
-        Verify(fixture.shape, view.hypothesis, &view.observed, 0, step, parameters, &model_view);
+    View& view = fixture.ViewOf(i);
+    const Verification result = Verify(
+        fixture.shape, fixture.Hypothesis(i), &view.observed, 0, step, parameters, &model_view);
+    ++i;
     pixels += result.inliers + result.seen_through + result.in_front + result.edge;
   }
   Report(fixture, pixels / static_cast<double>(state.iterations()), &state);
@@ -132,10 +143,11 @@ void BM_PrepareImageAndVerifyOnce(benchmark::State& state) {
   ObservedImage observed;
   size_t i = 0;
   for (auto _ : state) {
-    const View& view = fixture.views[i++ % kViews];
+    const View& view = fixture.ViewOf(i);
     observed.Reset({view.depth, kCamera, view.segmentation}, parameters.edge_px);
     benchmark::DoNotOptimize(
-        Verify(fixture.shape, view.hypothesis, &observed, 0, step, parameters, &model_view));
+        Verify(fixture.shape, fixture.Hypothesis(i), &observed, 0, step, parameters, &model_view));
+    ++i;
   }
 }
 BENCHMARK(BM_PrepareImageAndVerifyOnce)->Arg(1)->Arg(2)->Arg(4)->Unit(benchmark::kMicrosecond);
@@ -147,7 +159,7 @@ void BM_Render(benchmark::State& state) {
   size_t i = 0;
   double pixels = 0.0;
   for (auto _ : state) {
-    const Pose& T = fixture.views[i++ % kViews].hypothesis;
+    const Pose& T = fixture.Hypothesis(i++);
     model_view.Render(fixture.mesh, T, kCamera, ModelWindow(kCamera, fixture.shape, T), step);
   }
   model_view.ForEachPixel([&](const ModelView::Pixel&) { pixels += 1.0; });
@@ -244,11 +256,11 @@ void BM_RenderByEmbree(benchmark::State& state) {
   const EmbreeScene scene(fixture.triangles);
   std::vector<PixelWindow> windows;
   ModelView model_view;
-  for (const View& view : fixture.views) {
+  for (size_t k = 0; k < kHypotheses; ++k) {
     model_view.Render(fixture.mesh,
-                      view.hypothesis,
+                      fixture.Hypothesis(k),
                       kCamera,
-                      ModelWindow(kCamera, fixture.shape, view.hypothesis),
+                      ModelWindow(kCamera, fixture.shape, fixture.Hypothesis(k)),
                       step);
     const PixelWindow& drawn = model_view.touched();
     windows.push_back({model_view.u0() + drawn.u0 * step,
@@ -259,7 +271,7 @@ void BM_RenderByEmbree(benchmark::State& state) {
   std::vector<float> depth;
   size_t i = 0;
   for (auto _ : state) {
-    scene.Render(fixture.views[i % kViews].hypothesis, windows[i % kViews], step, &depth);
+    scene.Render(fixture.Hypothesis(i), windows[i % kHypotheses], step, &depth);
     ++i;
   }
   const auto pixels =
