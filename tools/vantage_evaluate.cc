@@ -375,7 +375,8 @@ Result<void> LoadDatasets(const Arguments& arguments, DatasetResults* results) {
       results->notes.push_back(*why_not + ".");
       continue;
     }
-    const fs::path meshes = arguments.meshes.empty() ? folder / ".." / "meshes" : arguments.meshes;
+    const fs::path meshes =
+        arguments.meshes.empty() ? folder / ".." / "meshes" : fs::path(arguments.meshes);
     Result<Dataset> dataset = LoadDataset(folder, meshes);
     if (!dataset) return dataset.error();
     results->datasets.push_back(std::move(dataset).value());
