@@ -9,8 +9,6 @@
 namespace vantage {
 namespace {
 
-constexpr int kFineStep = 2;  // px
-
 // Keeps a random subset, in its order.
 void ThinAtRandom(size_t size, Rng& rng, std::vector<SurfacePoint>* points) {
   if (points->size() <= size) return;
@@ -147,12 +145,12 @@ void PoseEstimator::Propose(size_t cluster,
   }
   {
     const StageTimer timer(times, &StageTimes::refinement);
+    scene_points_.Assign(scene_, image_.image().camera.fx, parameters_.refinement.noise);
     for (Hypothesis& hypothesis : proposed_) {
       hypothesis.T_camera_object = RefineCoarse(known.grid,
                                                 known.CoarseShape(),
                                                 hypothesis.T_camera_object,
-                                                scene_,
-                                                image_.image().camera.fx,
+                                                scene_points_,
                                                 parameters_.refinement)
                                        .T_camera_object;
     }
@@ -173,25 +171,14 @@ void PoseEstimator::Propose(size_t cluster,
 
 void PoseEstimator::Refine(StageTimes* times, Hypotheses* hypotheses) {
   const StageTimer timer(times, &StageTimes::refinement);
-  const RefinementParameters& refinement = parameters_.refinement;
   for (Hypothesis& hypothesis : *hypotheses) {
     const KnownModel& known = models_[hypothesis.model];
-    const Refined fine = RefineFine(known.CoarseShape(),
-                                    hypothesis.T_camera_object,
-                                    image_.image(),
-                                    kFineStep,
-                                    refinement.fine_iterations,
-                                    refinement.fine_reach * known.object.diameter,
-                                    refinement,
-                                    &view_);
-    const Refined last = RefineFine(known.Shape(),
-                                    fine.T_camera_object,
-                                    image_.image(),
-                                    1,
-                                    refinement.final_iterations,
-                                    0.0,
-                                    refinement,
-                                    &view_);
+    const Refined last = refiner_.Refine(known.CoarseShape(),
+                                         known.Shape(),
+                                         hypothesis.T_camera_object,
+                                         image_.image(),
+                                         parameters_.refinement,
+                                         &view_);
     hypothesis.T_camera_object = last.T_camera_object;
     hypothesis.covariance = last.covariance;
   }

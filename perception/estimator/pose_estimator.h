@@ -91,6 +91,8 @@ class PoseEstimator {
   Segmenter segmenter_;
   SurfaceSampler sampler_;
   ObservedImage image_;
+  ScenePoints scene_points_;  // scene_, for the refinement.
+  Refiner refiner_;
   ModelView view_;
   std::vector<SurfacePoint> scene_;
   Hypotheses proposed_;   // Of one cluster and model.

@@ -46,12 +46,13 @@ std::vector<Pose> FindSelfAlignments(const PpfTable& table,
   voting.max_hypotheses = 100;
   voting.cluster_angle_deg = 8.0;
   const RefinementParameters refinement;
+  ScenePoints scene;
+  scene.Assign(table.points(), kFocal, refinement.noise);
   std::vector<Pose> alignments;
   for (const PoseHypothesis& voted : VotePoses(table, table.points(), model.center, voting, rng)) {
     // Points of the model take the place of a scene; its "camera" is the model's frame.
     const Pose T =
-        RefineCoarse(grid, model, voted.T_camera_object, table.points(), kFocal, refinement)
-            .T_camera_object;
+        RefineCoarse(grid, model, voted.T_camera_object, scene, refinement).T_camera_object;
     const Eigen::Quaterniond q(T.linear());
     if (SymmetricAngle(symmetry, Eigen::Quaterniond::Identity(), q) < kApart) continue;
     if (AlignedShare(grid, table.points(), model.diameter, T) < kMinShare) continue;

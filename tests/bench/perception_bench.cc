@@ -191,14 +191,11 @@ void BM_RefinementCoarse(benchmark::State& state) {
   Rng rng(1);
   const NearestGrid grid(
       SampleSurface(model.mesh, 4000, rng), 0.16 * model.diameter, 0.02 * model.diameter);
-  Refined refined;
+  ScenePoints scene;
+  scene.Assign(Fixture().scene, Fixture().frame.camera.fx, {});
+  CoarselyRefined refined;
   for (auto _ : state) {
-    refined = RefineCoarse(grid,
-                           BracketShape(),
-                           Disturbed(8.0, 0.008),
-                           Fixture().scene,
-                           Fixture().frame.camera.fx,
-                           {});
+    refined = RefineCoarse(grid, BracketShape(), Disturbed(8.0, 0.008), scene, {});
   }
   state.counters["error_deg"] =
       ErrorDegrees(refined.T_camera_object, Fixture().frame.T_camera_object[kBracket]);
@@ -206,26 +203,12 @@ void BM_RefinementCoarse(benchmark::State& state) {
 BENCHMARK(BM_RefinementCoarse)->Unit(benchmark::kMicrosecond);
 
 void BM_RefinementFineAndFinal(benchmark::State& state) {
-  const RefinementParameters parameters;
   ModelView view;
+  Refiner refiner;
   Refined refined;
   for (auto _ : state) {
-    refined = RefineFine(BracketShape(),
-                         Disturbed(2.0, 0.003),
-                         Fixture().image(),
-                         2,
-                         parameters.fine_iterations,
-                         parameters.fine_reach * Models()[kBracket].diameter,
-                         parameters,
-                         &view);
-    refined = RefineFine(BracketShape(),
-                         refined.T_camera_object,
-                         Fixture().image(),
-                         1,
-                         parameters.final_iterations,
-                         0.0,
-                         parameters,
-                         &view);
+    refined = refiner.Refine(
+        BracketShape(), BracketShape(), Disturbed(2.0, 0.003), Fixture().image(), {}, &view);
   }
   state.counters["error_deg"] =
       ErrorDegrees(refined.T_camera_object, Fixture().frame.T_camera_object[kBracket]);

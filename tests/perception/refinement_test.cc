@@ -2,41 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tests/perception/test_scenes.h"
 
 namespace vantage {
 namespace {
 
-const CameraModel kCamera = SmallCamera();
+constexpr double kFocal = 570.0;  // px
 const TriangleMesh kMesh = MakeAsymmetric();
-
 const DrawableMesh kDrawable(kMesh);
-
-ModelShape ShapeOf(const DrawableMesh& drawable) {
-  const TriangleMesh& mesh = drawable.mesh();
-  return {drawable, mesh.SurfaceCentroid(), mesh.Diameter(), mesh.Diameter()};
-}
-
-struct View {
-  Pose T_camera_object;
-  DepthImage depth;
-  Segmentation segmentation;
-
-  View(const TriangleMesh& mesh, const Pose& T, double noise, Rng& rng) : T_camera_object(T) {
-    DepthRasterizer rasterizer(kCamera);
-    rasterizer.Draw(mesh, T);
-    depth = ToImage(rasterizer);
-    if (noise > 0.0) AddNoise(kCamera.fx, noise, 0.0, rng, &depth);
-    SegmentationParameters parameters;
-    parameters.support = SegmentationParameters::Support::kNone;
-    parameters.largest_gap = 10.0;
-    segmentation = Segment(depth, kCamera, parameters, rng);
-  }
-  [[nodiscard]] SegmentedImage image() const { return {depth, kCamera, segmentation}; }
-};
+const ModelShape kShape{kDrawable, kMesh.SurfaceCentroid(), kMesh.Diameter(), kMesh.Diameter()};
 
 // Seen from obliquely above, so that three kinds of faces show.
 Pose RandomView(Rng& rng) {
@@ -89,107 +66,151 @@ TEST(NearestGrid, FindsTheNearestToWithinACube) {
   EXPECT_EQ(grid.Find({std::nanf(""), 0.0F, 0.0F}), NearestGrid::kNone);
 }
 
-TEST(RefineFine, RecoversThePoseOfExactDepth) {
-  Rng rng(2);
-  ModelView view;
-  RefinementParameters parameters;
-  parameters.converged = 0.0;
-  for (int trial = 0; trial < 10; ++trial) {
-    const View seen(kMesh, RandomView(rng), 0.0, rng);
-    const Pose start = Disturbed(seen.T_camera_object, 3.0 * kDegree, 0.004, rng);
-    const Refined fine =
-        RefineFine(ShapeOf(kDrawable), start, seen.image(), 2, 10, 0.008, parameters, &view);
-    const Refined refined = RefineFine(
-        ShapeOf(kDrawable), fine.T_camera_object, seen.image(), 1, 20, 0.0, parameters, &view);
-    EXPECT_LT(AngleBetween(refined.T_camera_object, seen.T_camera_object), 0.02 * kDegree);
-    EXPECT_LT((refined.T_camera_object.translation() - seen.T_camera_object.translation()).norm(),
-              5e-5);
-    EXPECT_LT(refined.rms, 5e-5);
-    EXPECT_GT(refined.pairs, 500);
+// The same lookups one by one and eight at a time.
+TEST(NearestGrid, LanesFindWhatFindDoes) {
+  Rng rng(11);
+  const NearestGrid grid(SampleSurface(kMesh, 500, rng), 0.02, 0.004);
+  for (int trial = 0; trial < 200; ++trial) {
+    F8s<3> places{};
+    for (int lane = 0; lane < kLanes; ++lane) {
+      for (size_t i = 0; i < 3; ++i) {
+        places[i][lane] = static_cast<float>(rng.Uniform(-0.05, 0.15));
+      }
+    }
+    if (trial == 0) {
+      places[0][0] = std::numeric_limits<float>::quiet_NaN();
+      places[1][1] = std::numeric_limits<float>::infinity();
+      places[2][2] = -1e30F;
+    }
+    F8s<3> position;
+    F8s<3> normal;
+    grid.FindLanes(places, &position, &normal);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const uint32_t index = grid.Find({places[0][lane], places[1][lane], places[2][lane]});
+      const Eigen::Vector3f found(position[0][lane], position[1][lane], position[2][lane]);
+      const Eigen::Vector3f its_normal(normal[0][lane], normal[1][lane], normal[2][lane]);
+      if (index == NearestGrid::kNone) {
+        EXPECT_EQ(its_normal.norm(), 0.0F);
+      } else {
+        EXPECT_EQ(found, grid.points()[index].position);
+        EXPECT_EQ(its_normal, grid.points()[index].normal);
+      }
+    }
   }
 }
 
-TEST(RefineFine, CovarianceTellsTheErrorUnderIndependentNoise) {
-  Rng rng(3);
-  ModelView view;
-  RefinementParameters parameters;
-  parameters.model_error = 0.0;
-  // The noise that the weights assume, on a surface seen head on: axial alone.
-  parameters.noise = {0.0, 0.002, 0.0, 0.0};
-  std::vector<double> squares;
-  for (int trial = 0; trial < 40; ++trial) {
-    const View seen(kMesh, RandomView(rng), 0.002, rng);
-    const Refined refined = RefineFine(
-        ShapeOf(kDrawable), seen.T_camera_object, seen.image(), 1, 8, 0.0, parameters, &view);
-    const Eigen::Vector3d center = kMesh.SurfaceCentroid();
-    Eigen::Matrix<double, 6, 1> error;
-    error << LogSo3(Eigen::Quaterniond(refined.T_camera_object.linear() *
-                                       seen.T_camera_object.linear().transpose())),
-        refined.T_camera_object * center - seen.T_camera_object * center;
-    squares.push_back(error.dot(refined.covariance.inverse() * error));
+// Points of the side that faces the camera, and their view.
+struct Scene {
+  Pose T_camera_object;
+  std::vector<SurfacePoint> surface;
+  ScenePoints points;
+
+  explicit Scene(Rng& rng) : T_camera_object(RandomView(rng)) {
+    for (const SurfacePoint& point : SampleSurface(kMesh, 500, rng)) {
+      const Eigen::Vector3d p = T_camera_object * point.position.cast<double>();
+      const Eigen::Vector3d n = T_camera_object.linear() * point.normal.cast<double>();
+      if (n.dot(p) < 0.0) surface.push_back({p.cast<float>(), n.cast<float>()});
+    }
+    points.Assign(surface, kFocal, {});
   }
-  // Chi-square of 6 degrees of freedom: median 5.3. Outliers at creases widen it a little.
-  std::sort(squares.begin(), squares.end());
-  EXPECT_GT(squares[20], 3.0);
-  EXPECT_LT(squares[20], 12.0);
-}
+};
 
-TEST(RefineFine, LeavesWhatNoMeasurementFixes) {
-  // A plate seen head on: nothing tells its place and turn within its plane.
-  const TriangleMesh plate = MakeBox({-0.05F, -0.05F, 0.0F}, {0.05F, 0.05F, 0.002F});
-  Rng rng(4);
-  Pose T = Pose::Identity();
-  T.translation() = Eigen::Vector3d(0.0, 0.0, 0.6);
-  const View seen(plate, T, 0.0, rng);
-  Pose start = T;
-  start.translation() += Eigen::Vector3d(0.003, -0.002, 0.004);
-  ModelView view;
-  const DrawableMesh drawable(plate);
-  const Refined refined =
-      RefineFine(ShapeOf(drawable), start, seen.image(), 1, 10, 0.01, {}, &view);
-  EXPECT_NEAR(refined.T_camera_object.translation().z(), 0.6, 1e-4);
-  EXPECT_NEAR(refined.T_camera_object.translation().x(), 0.003, 1e-3);
-  EXPECT_GT(refined.covariance(3, 3), 100.0 * refined.covariance(5, 5));
-}
-
-TEST(RefineFine, WithoutOverlapReturnsTheStart) {
-  Rng rng(5);
-  const View seen(kMesh, RandomView(rng), 0.0, rng);
-  Pose beside = seen.T_camera_object;
-  beside.translation().x() += 0.3;
-  ModelView view;
-  const Refined refined =
-      RefineFine(ShapeOf(kDrawable), beside, seen.image(), 1, 5, 0.0, {}, &view);
-  EXPECT_LT(AngleBetween(refined.T_camera_object, beside), 1e-6);
-  EXPECT_EQ(refined.pairs, 0);
+NearestGrid MakeGrid() {
+  Rng rng(7);
+  return {SampleSurface(kMesh, 4000, rng), 0.16 * kMesh.Diameter(), 0.02 * kMesh.Diameter()};
 }
 
 TEST(RefineCoarse, BringsVotedPosesIntoReachOfTheFineOne) {
   Rng rng(6);
-  const NearestGrid grid(
-      SampleSurface(kMesh, 4000, rng), 0.16 * kMesh.Diameter(), 0.02 * kMesh.Diameter());
+  const NearestGrid grid = MakeGrid();
   int near = 0;
-  constexpr int kTrials = 40;
+  constexpr int kTrials = 200;
   for (int trial = 0; trial < kTrials; ++trial) {
-    const Pose T = RandomView(rng);
-    std::vector<SurfacePoint> scene;
-    for (const SurfacePoint& point : SampleSurface(kMesh, 600, rng)) {
-      const Eigen::Vector3d p = T * point.position.cast<double>();
-      const Eigen::Vector3d n = T.linear() * point.normal.cast<double>();
-      if (n.dot(p) < 0.0) scene.push_back({p.cast<float>(), n.cast<float>()});
-    }
-    const Pose start = Disturbed(T, 10.0 * kDegree, 0.008, rng);
-    const Refined refined =
-        RefineCoarse(grid, ShapeOf(kDrawable), start, scene, kCamera.fx, RefinementParameters{});
-    near += AngleBetween(refined.T_camera_object, T) < 2.0 * kDegree ? 1 : 0;
+    const Scene scene(rng);
+    const Pose start = Disturbed(scene.T_camera_object,
+                                 rng.Uniform(0.0, 12.0) * kDegree,
+                                 rng.Uniform(0.0, 0.08) * kMesh.Diameter(),
+                                 rng);
+    const CoarselyRefined refined = RefineCoarse(grid, kShape, start, scene.points, {});
+    const double distance =
+        (refined.T_camera_object * kShape.center - scene.T_camera_object * kShape.center).norm();
+    near += AngleBetween(refined.T_camera_object, scene.T_camera_object) < 4.0 * kDegree &&
+                    distance < 0.03 * kMesh.Diameter()
+                ? 1
+                : 0;
   }
-  EXPECT_GE(near, kTrials * 9 / 10);
+  EXPECT_GE(near, kTrials * 97 / 100);
+}
+
+TEST(RefineCoarse, ReturnsTheStartWhereNothingIsNear) {
+  Rng rng(8);
+  const NearestGrid grid = MakeGrid();
+  const Scene scene(rng);
+  Pose beside = scene.T_camera_object;
+  beside.translation().x() += 1.0;
+  const CoarselyRefined refined = RefineCoarse(grid, kShape, beside, scene.points, {});
+  EXPECT_EQ(refined.pairs, 0);
+  EXPECT_LT((refined.T_camera_object.matrix() - beside.matrix()).norm(), 1e-12);
+  const CoarselyRefined without = RefineCoarse(grid, kShape, beside, ScenePoints(), {});
+  EXPECT_EQ(without.pairs, 0);
+}
+
+TEST(ScenePoints, LeaveOutWhatIsNotFinite) {
+  Rng rng(9);
+  Scene scene(rng);
+  const size_t size = scene.points.size();
+  scene.surface[0].position.x() = std::numeric_limits<float>::quiet_NaN();
+  scene.surface[1].normal.y() = std::numeric_limits<float>::infinity();
+  scene.points.Assign(scene.surface, kFocal, {});
+  EXPECT_EQ(scene.points.size(), size - 2);
+  const CoarselyRefined refined =
+      RefineCoarse(MakeGrid(), kShape, scene.T_camera_object, scene.points, {});
+  EXPECT_TRUE(refined.T_camera_object.matrix().allFinite());
+  EXPECT_GT(refined.pairs, 0);
+}
+
+TEST(PointAgreement, CountsWhatABruteForceCounts) {
+  Rng rng(10);
+  const NearestGrid grid = MakeGrid();
+  const double tolerance = 0.02 * kMesh.Diameter();
+  for (int trial = 0; trial < 20; ++trial) {
+    const Scene scene(rng);
+    const Pose T = Disturbed(scene.T_camera_object, 5.0 * kDegree, 0.003, rng);
+    const Eigen::Isometry3f T_inverse(T.inverse().matrix().cast<float>());
+    int agreeing = 0;
+    for (const SurfacePoint& point : scene.surface) {
+      const Eigen::Vector3f place = T_inverse * point.position;
+      const uint32_t index = grid.Find(place);
+      if (index == NearestGrid::kNone) continue;
+      const SurfacePoint& nearest = grid.points()[index];
+      const Eigen::Vector3f offset = nearest.position - place;
+      const float like = nearest.normal.dot(T_inverse.linear() * point.normal);
+      const auto limit = static_cast<float>(tolerance);
+      agreeing += like > 0.7F && std::abs(offset.dot(nearest.normal)) <= limit &&
+                          offset.norm() <= 3.0F * limit
+                      ? 1
+                      : 0;
+    }
+    // A point on the limit may fall on either side of it.
+    EXPECT_NEAR(PointAgreement(grid, T, scene.points, tolerance) *
+                    static_cast<double>(scene.surface.size()),
+                agreeing,
+                2.0);
+    EXPECT_GT(PointAgreement(grid, scene.T_camera_object, scene.points, tolerance), 0.75);
+  }
+  EXPECT_EQ(PointAgreement(grid, Pose::Identity(), ScenePoints(), tolerance), 0.0);
 }
 
 TEST(RefinementParameters, RefuseValuesOutOfRange) {
   RefinementParameters parameters;
   EXPECT_TRUE(parameters.Validate().ok());
   parameters.coarse_reach_end = 0.5;
+  EXPECT_FALSE(parameters.Validate().ok());
+  parameters = {};
+  parameters.final_points = 0;
+  EXPECT_FALSE(parameters.Validate().ok());
+  parameters = {};
+  parameters.correlated_px = std::nan("");
   EXPECT_FALSE(parameters.Validate().ok());
 }
 
