@@ -13,7 +13,7 @@ struct RefinementParameters {
   int fine_points = 900;           ///< of a model drawn once
   double fine_reach = 0.06;        ///< of the diameter, at the start
   int final_iterations = 5;        ///< on about `final_points` pixels, at most
-  int final_points = 3000;         ///< of a model drawn once
+  int final_points = 6000;         ///< of a model drawn once
   double tukey_sigmas = 4.0;       ///< cut of the biweight (Tukey 1974: 4.685 for 95 % efficiency)
   double model_error = 0.0005;     ///< m, standard deviation that the sensor's noise adds to
   double converged = 1e-5;         ///< rad and m / 10; smaller steps end the iteration
