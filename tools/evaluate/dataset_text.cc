@@ -83,7 +83,8 @@ std::string Field(std::string_view text) {
     if (c == '"') quoted += '"';
     quoted += c;
   }
-  return quoted + '"';
+  quoted += '"';
+  return quoted;
 }
 
 // By column; those of the pose are empty where nothing was found.
