@@ -14,5 +14,5 @@ vantage_benchmark(pose_comparison
 target_include_directories(pose_comparison SYSTEM PRIVATE ${PCL_INCLUDE_DIRS})
 target_compile_definitions(pose_comparison PRIVATE ${PCL_DEFINITIONS})
 # GCC 12 sees reads past the end in what it inlines of Eigen into these libraries' templates.
-set_source_files_properties(pose_comparison/pcl_clouds.cc pose_comparison/pcl_ppf.cc
-  pose_comparison/pcl_shot.cc PROPERTIES COMPILE_OPTIONS -Wno-array-bounds)
+set_source_files_properties(pose_comparison/opencv_ppf.cc pose_comparison/pcl_clouds.cc
+  pose_comparison/pcl_ppf.cc pose_comparison/pcl_shot.cc PROPERTIES COMPILE_OPTIONS -Wno-array-bounds)

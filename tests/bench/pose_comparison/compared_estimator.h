@@ -32,8 +32,7 @@ class ComparedEstimator {
 
 struct EstimatorKind {
   std::string name;
-  bool is_peer = true;
-  int repeats = 1;  ///< of a view, of which the one with the median time counts
+  bool is_peer = true;  ///< Other people's.
   std::unique_ptr<ComparedEstimator> (*make)(const ObjectModel&) = nullptr;
 };
 
@@ -41,7 +40,9 @@ struct EstimatorKind {
 std::span<const EstimatorKind> EstimatorKinds();
 
 std::unique_ptr<ComparedEstimator> MakePpf(const ObjectModel& model);
+std::unique_ptr<ComparedEstimator> MakeShot(const ObjectModel& model);
 std::unique_ptr<ComparedEstimator> MakePclPpf(const ObjectModel& model);
+std::unique_ptr<ComparedEstimator> MakePclPpfFine(const ObjectModel& model);
 std::unique_ptr<ComparedEstimator> MakePclPrerejective(const ObjectModel& model);
 std::unique_ptr<ComparedEstimator> MakePclSacIa(const ObjectModel& model);
 std::unique_ptr<ComparedEstimator> MakeOpenCvPpf(const ObjectModel& model);

@@ -5,13 +5,14 @@
 namespace vantage {
 
 std::span<const EstimatorKind> EstimatorKinds() {
-  constexpr int kRepeats = 5;
   static const std::array kinds = {
-      EstimatorKind{"ppf", false, kRepeats, MakePpf},
-      EstimatorKind{"pcl-ppf", true, 1, MakePclPpf},
-      EstimatorKind{"pcl-prerejective", true, 1, MakePclPrerejective},
-      EstimatorKind{"pcl-sac-ia", true, 1, MakePclSacIa},
-      EstimatorKind{"opencv-ppf", true, 1, MakeOpenCvPpf},
+      EstimatorKind{"ppf", false, MakePpf},
+      EstimatorKind{"shot", false, MakeShot},
+      EstimatorKind{"pcl-ppf", true, MakePclPpf},
+      EstimatorKind{"pcl-ppf-fine", true, MakePclPpfFine},
+      EstimatorKind{"pcl-prerejective", true, MakePclPrerejective},
+      EstimatorKind{"pcl-sac-ia", true, MakePclSacIa},
+      EstimatorKind{"opencv-ppf", true, MakeOpenCvPpf},
   };
   return kinds;
 }

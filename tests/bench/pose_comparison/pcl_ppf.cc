@@ -9,8 +9,8 @@ namespace vantage {
 namespace {
 
 // Lengths are relative to the diameter.
-// Drost et al. 2010 have 0.05; flat objects then take seconds a view, and gain little.
-constexpr double kSampling = 0.08;          // Of model and scene.
+constexpr double kFineSampling = 0.05;      // Of model and scene, as Drost et al. 2010 have it.
+constexpr double kCoarseSampling = 0.08;    // With the former, flat objects take seconds a view.
 constexpr double kDistanceStep = 0.05;      // Of the feature, as they have it.
 constexpr double kNormalSampling = 0.02;    // Of the cloud on which normals are estimated.
 constexpr double kNormalRadius = 0.06;      // About a point.
@@ -27,9 +27,10 @@ using Registration = pcl::PPFRegistration<pcl::PointNormal, pcl::PointNormal>;
 
 class PclPpf : public ComparedEstimator {
  public:
-  explicit PclPpf(const ObjectModel& model)
+  PclPpf(const ObjectModel& model, double sampling)
       : diameter_(model.diameter),
-        model_(ModelSurface(model, kSampling)),
+        sampling_(sampling),
+        model_(ModelSurface(model, sampling)),
         icp_model_(ModelSurface(model, kIcpModelSampling)) {
     SilencePcl();
     const pcl::PointCloud<pcl::PPFSignature>::Ptr features(new pcl::PointCloud<pcl::PPFSignature>);
@@ -45,7 +46,7 @@ class PclPpf : public ComparedEstimator {
   std::optional<Pose> Estimate(const SegmentedView& view, StageClock* stages) override {
     stages->Begin("preparation");
     const PclSurface::Ptr scene = SceneSurface(
-        view.points, kSampling * diameter_, kNormalSampling * diameter_, kNormalRadius * diameter_);
+        view.points, sampling_ * diameter_, kNormalSampling * diameter_, kNormalRadius * diameter_);
     if (scene->empty()) return std::nullopt;
     stages->Begin("matching");
     Registration registration;
@@ -58,6 +59,7 @@ class PclPpf : public ComparedEstimator {
     PclSurface aligned;
     registration.align(aligned);
     const Pose coarse(registration.getFinalTransformation().cast<double>());
+    if (!coarse.matrix().allFinite()) return std::nullopt;
     stages->Begin("icp");
     const Pose refined = RefineWithIcp(scene, icp_model_, coarse, diameter_);
     stages->End();
@@ -66,6 +68,7 @@ class PclPpf : public ComparedEstimator {
 
  private:
   double diameter_;
+  double sampling_;
   PclSurface::Ptr model_;
   PclSurface::Ptr icp_model_;
   pcl::PPFHashMapSearch::Ptr search_;
@@ -74,7 +77,11 @@ class PclPpf : public ComparedEstimator {
 }  // namespace
 
 std::unique_ptr<ComparedEstimator> MakePclPpf(const ObjectModel& model) {
-  return std::make_unique<PclPpf>(model);
+  return std::make_unique<PclPpf>(model, kCoarseSampling);
+}
+
+std::unique_ptr<ComparedEstimator> MakePclPpfFine(const ObjectModel& model) {
+  return std::make_unique<PclPpf>(model, kFineSampling);
 }
 
 }  // namespace vantage

@@ -15,12 +15,12 @@ namespace vantage {
 namespace {
 
 // Lengths are relative to the diameter.
-constexpr double kSampling = 0.03;        // Of model and scene.
+constexpr double kSampling = 0.04;        // Of model and scene.
 constexpr double kNormalSampling = 0.02;  // Of the cloud on which normals are estimated.
 constexpr double kNormalRadius = 0.06;    // About a point.
 constexpr double kShotRadius = 0.2;       // Of descriptor and reference frame.
 constexpr double kIcpModelSampling = 0.02;
-constexpr double kInlierDistance = 0.045;  // 1.5 samplings, as the library's tutorial has it.
+constexpr double kInlierDistance = 0.06;  // 1.5 samplings, as the library's tutorial has it.
 constexpr int kSamples = 3;
 constexpr int kCorrespondences = 5;  // Best ones of a point, of which one is drawn.
 
@@ -104,6 +104,7 @@ class PclShot : public ComparedEstimator {
     if (!alignment_.hasConverged()) return std::nullopt;
     const Eigen::Matrix4d T_object_camera =
         alignment_.getFinalTransformation().template cast<double>();
+    if (!T_object_camera.allFinite()) return std::nullopt;
     stages->Begin("icp");
     return RefineWithIcp(scene.surface, icp_model_, Pose(T_object_camera).inverse(), diameter_);
   }

@@ -1,6 +1,6 @@
-// Ours.
-#include "common/check.h"
+// Ours: point pair features, and correspondences of SHOT descriptors.
 #include "perception/ppf/ppf_estimator.h"
+#include "perception/shot/shot_estimator.h"
 #include "tests/bench/pose_comparison/compared_estimator.h"
 
 namespace vantage {
@@ -10,10 +10,21 @@ double Seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-class Ppf : public ComparedEstimator {
+// The same segment as the others get: all pixels that measure.
+SegmentationParameters OneSegment() {
+  SegmentationParameters parameters;
+  parameters.support = SegmentationParameters::Support::kNone;
+  parameters.max_depth = 10.0;
+  parameters.largest_gap = 10.0;
+  parameters.gap_px = 20;
+  parameters.min_points = 20;
+  parameters.concave_angle_deg = 180.0;
+  return parameters;
+}
+
+class Ours : public ComparedEstimator {
  public:
-  explicit Ppf(const ObjectModel& model)
-      : estimator_(CreatePpfEstimator(std::vector<ObjectModel>{model}, Parameters()).value()) {}
+  explicit Ours(std::unique_ptr<PoseEstimator> estimator) : estimator_(std::move(estimator)) {}
 
   std::optional<Pose> Estimate(const SegmentedView& view, StageClock* stages) override {
     StageTimes times;
@@ -24,7 +35,7 @@ class Ppf : public ComparedEstimator {
         estimator_->Estimate(view.depth, view.camera, rng, &times);
     const double total = Seconds() - start;
     stages->Add("normals", times.normals);
-    stages->Add("voting", times.proposal);
+    stages->Add("proposal", times.proposal);
     stages->Add("verification", times.verification);
     stages->Add("refinement", times.refinement);
     // The others get the segment as well.
@@ -34,18 +45,22 @@ class Ppf : public ComparedEstimator {
   }
 
  private:
-  static PpfEstimatorParameters Parameters() {
-    PpfEstimatorParameters parameters;
-    parameters.estimation.segmentation.support = SegmentationParameters::Support::kNone;
-    return parameters;
-  }
   std::unique_ptr<PoseEstimator> estimator_;
 };
 
 }  // namespace
 
 std::unique_ptr<ComparedEstimator> MakePpf(const ObjectModel& model) {
-  return std::make_unique<Ppf>(model);
+  PpfEstimatorParameters parameters;
+  parameters.estimation.segmentation = OneSegment();
+  return std::make_unique<Ours>(
+      CreatePpfEstimator(std::vector<ObjectModel>{model}, parameters).value());
+}
+
+std::unique_ptr<ComparedEstimator> MakeShot(const ObjectModel& model) {
+  ShotEstimatorParameters parameters;
+  parameters.estimation.segmentation = OneSegment();
+  return std::make_unique<Ours>(CreateShotEstimator({model}, parameters).value());
 }
 
 }  // namespace vantage
