@@ -45,8 +45,8 @@ Result<KnownModel> MakeKnownModel(ObjectModel object, const PpfTable& table) {
                         kSmallest,
                         kLargest)};
   }
-  TriangleMesh coarse = DecimateMesh(object.mesh, kFineLevel);
-  DrawableMesh mesh(object.mesh);
+  DrawableMesh mesh(DecimateMesh(object.mesh, kFineLevel));
+  DrawableMesh coarse(DecimateMesh(object.mesh, kCoarseLevel));
   const double radius = RadiusAboutCenter(object);
   NearestGrid grid = MakeGrid(object);
   Rng rng(kSelfSeed);
@@ -54,7 +54,7 @@ Result<KnownModel> MakeKnownModel(ObjectModel object, const PpfTable& table) {
       table, grid, ModelShape{mesh, object.center, object.diameter, radius}, object.symmetry, rng);
   return KnownModel{std::move(object),
                     std::move(mesh),
-                    DrawableMesh(std::move(coarse)),
+                    std::move(coarse),
                     std::move(grid),
                     radius,
                     std::move(alternatives)};

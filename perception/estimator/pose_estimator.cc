@@ -9,6 +9,12 @@
 namespace vantage {
 namespace {
 
+constexpr int kFineStep = 2;  // px
+// Of the cost of a cluster of which nothing is explained: what is worse than the best by more is
+// given up; what is worse by less may yet become better.
+constexpr double kHopeless = 0.5;
+constexpr double kRival = 0.02;
+
 // Keeps a random subset, in its order.
 void ThinAtRandom(size_t size, Rng& rng, std::vector<SurfacePoint>* points) {
   if (points->size() <= size) return;
@@ -80,23 +86,40 @@ PoseEstimator::PoseEstimator(std::vector<KnownModel> models,
   }
 }
 
-void PoseEstimator::Verify(size_t cluster,
-                           bool is_last,
-                           StageTimes* times,
-                           Hypotheses* hypotheses) {
+// Those from the `first` on are verified, all are sorted.
+void PoseEstimator::Verify(
+    size_t cluster, Effort effort, size_t first, StageTimes* times, Hypotheses* hypotheses) {
   const StageTimer timer(times, &StageTimes::verification);
-  const int step = is_last ? 1 : parameters_.verification.coarse_step;
-  for (Hypothesis& hypothesis : *hypotheses) {
-    const KnownModel& known = models_[hypothesis.model];
-    hypothesis.verification = vantage::Verify(is_last ? known.Shape() : known.CoarseShape(),
-                                              hypothesis.T_camera_object,
-                                              &image_,
-                                              cluster,
-                                              step,
-                                              parameters_.verification,
-                                              &view_);
+  const int step = Step(effort);
+  double best = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < hypotheses->size(); ++i) {
+    Hypothesis& hypothesis = (*hypotheses)[i];
+    if (i >= first) {
+      const KnownModel& known = models_[hypothesis.model];
+      hypothesis.verification =
+          vantage::Verify(effort == Effort::kCoarse ? known.CoarseShape() : known.Shape(),
+                          hypothesis.T_camera_object,
+                          &image_,
+                          cluster,
+                          step,
+                          parameters_.verification,
+                          &view_,
+                          best + kHopeless * PixelCost(cluster, step));
+    }
+    best = std::min(best, hypothesis.verification.cost);
   }
   SortByCost(hypotheses);
+}
+
+int PoseEstimator::Step(Effort effort) const {
+  if (effort == Effort::kCoarse) return parameters_.verification.coarse_step;
+  return effort == Effort::kFine ? kFineStep : 1;
+}
+
+// Nats of a cluster of which nothing is explained.
+double PoseEstimator::PixelCost(size_t cluster, int step) {
+  return parameters_.verification.outlier_cost *
+         static_cast<double>(image_.ClusterSize(step, cluster));
 }
 
 // Of sorted hypotheses the first `count` that differ.
@@ -155,7 +178,7 @@ void PoseEstimator::Propose(size_t cluster,
                                        .T_camera_object;
     }
   }
-  Verify(cluster, false, times, &proposed_);
+  Verify(cluster, Effort::kCoarse, 0, times, &proposed_);
   // A pose that explains little has no use for others like it.
   constexpr double kPromising = 0.3;
   if (!proposed_.empty() && proposed_.front().verification.score() > kPromising) {
@@ -164,24 +187,44 @@ void PoseEstimator::Propose(size_t cluster,
     for (const Pose& alternative : known.alternatives) {
       proposed_.push_back(Hypothesis{.model = model, .T_camera_object = best * alternative});
     }
-    if (proposed_.size() > count) Verify(cluster, false, times, &proposed_);
+    Verify(cluster, Effort::kCoarse, count, times, &proposed_);
   }
   KeepDistinct(static_cast<size_t>(parameters_.coarse_hypotheses), &proposed_);
 }
 
-void PoseEstimator::Refine(StageTimes* times, Hypotheses* hypotheses) {
+void PoseEstimator::Refine(Effort effort, StageTimes* times, Hypotheses* hypotheses) {
   const StageTimer timer(times, &StageTimes::refinement);
+  RefinementParameters refinement = parameters_.refinement;
+  if (effort == Effort::kFine) refinement.final_points = refinement.fine_points;
   for (Hypothesis& hypothesis : *hypotheses) {
     const KnownModel& known = models_[hypothesis.model];
-    const Refined last = refiner_.Refine(known.CoarseShape(),
-                                         known.Shape(),
-                                         hypothesis.T_camera_object,
-                                         image_.image(),
-                                         parameters_.refinement,
-                                         &view_);
-    hypothesis.T_camera_object = last.T_camera_object;
-    hypothesis.covariance = last.covariance;
+    const Refined refined = refiner_.Refine(known.CoarseShape(),
+                                            known.Shape(),
+                                            hypothesis.T_camera_object,
+                                            image_.image(),
+                                            refinement,
+                                            &view_);
+    hypothesis.T_camera_object = refined.T_camera_object;
+    hypothesis.covariance = refined.covariance;
   }
+}
+
+// Of sorted hypotheses those that are best after refinement on pixels, first of all on few, then of
+// the best and its rivals on all.
+void PoseEstimator::Settle(size_t cluster, StageTimes* times, Hypotheses* hypotheses) {
+  Truncate(parameters_.fine_hypotheses, hypotheses);
+  Refine(Effort::kFine, times, hypotheses);
+  Verify(cluster, Effort::kFine, 0, times, hypotheses);
+  const auto count = static_cast<size_t>(parameters_.hypotheses_per_cluster);
+  KeepDistinct(count + 1, hypotheses);
+  if (hypotheses->size() > count &&
+      hypotheses->back().verification.cost >
+          hypotheses->front().verification.cost + kRival * PixelCost(cluster, kFineStep)) {
+    hypotheses->pop_back();
+  }
+  Refine(Effort::kLast, times, hypotheses);
+  Verify(cluster, Effort::kLast, 0, times, hypotheses);
+  KeepDistinct(count, hypotheses);
 }
 
 // The accepted hypotheses of all models for one cluster, best first, in explained_.
@@ -201,10 +244,7 @@ void PoseEstimator::Explain(size_t cluster, Rng& rng, StageTimes* times) {
     explained_.insert(explained_.end(), proposed_.begin(), proposed_.end());
   }
   SortByCost(&explained_);
-  Truncate(parameters_.fine_hypotheses, &explained_);
-  Refine(times, &explained_);
-  Verify(cluster, true, times, &explained_);
-  KeepDistinct(static_cast<size_t>(parameters_.hypotheses_per_cluster), &explained_);
+  Settle(cluster, times, &explained_);
   std::erase_if(explained_, [this](const Hypothesis& hypothesis) {
     return hypothesis.verification.inliers == 0 ||
            hypothesis.verification.score() < parameters_.verification.min_score;

@@ -76,8 +76,13 @@ class PoseEstimator {
                Rng& rng,
                StageTimes* times);
   void Explain(size_t cluster, Rng& rng, StageTimes* times);
-  void Verify(size_t cluster, bool is_last, StageTimes* times, Hypotheses* hypotheses);
-  void Refine(StageTimes* times, Hypotheses* hypotheses);
+  enum class Effort { kCoarse, kFine, kLast };
+  void Verify(
+      size_t cluster, Effort effort, size_t first, StageTimes* times, Hypotheses* hypotheses);
+  [[nodiscard]] int Step(Effort effort) const;
+  double PixelCost(size_t cluster, int step);
+  void Refine(Effort effort, StageTimes* times, Hypotheses* hypotheses);
+  void Settle(size_t cluster, StageTimes* times, Hypotheses* hypotheses);
   void KeepDistinct(size_t count, Hypotheses* hypotheses);
   void Report(size_t cluster);
   [[nodiscard]] bool IsExplained(const Cluster& cluster) const;

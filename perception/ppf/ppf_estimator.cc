@@ -2,36 +2,9 @@
 
 #include <utility>
 
+#include "perception/ppf/ppf_proposer.h"
+
 namespace vantage {
-namespace {
-
-// Votes with the models' tables.
-class VotingProposer : public PoseProposer {
- public:
-  VotingProposer(std::vector<PpfTable> tables,
-                 std::vector<Eigen::Vector3d> centers,
-                 const PpfVotingParameters& parameters)
-      : tables_(std::move(tables)), centers_(std::move(centers)), parameters_(parameters) {}
-
-  [[nodiscard]] double Spacing(size_t model) const override {
-    return tables_[model].parameters().sample_distance * tables_[model].diameter();
-  }
-  std::span<const PoseHypothesis> Propose(size_t model,
-                                          std::span<const SurfacePoint> scene,
-                                          Rng& rng) override {
-    found_ = VotePoses(tables_[model], scene, centers_[model], parameters_, rng);
-    return found_;
-  }
-
- private:
-  std::vector<PpfTable> tables_;
-  std::vector<Eigen::Vector3d> centers_;
-  PpfVotingParameters parameters_;
-  std::vector<PoseHypothesis> found_;
-};
-
-}  // namespace
-
 Result<void> PpfEstimatorParameters::Validate() const {
   for (const Result<void>& valid : {table.Validate(), voting.Validate(), estimation.Validate()}) {
     if (!valid) return valid;
@@ -43,19 +16,16 @@ Result<std::unique_ptr<PoseEstimator>> CreatePpfEstimator(
     std::vector<PpfModel> models, const PpfEstimatorParameters& parameters) {
   if (Result<void> valid = parameters.Validate(); !valid) return valid.error();
   std::vector<KnownModel> known;
-  std::vector<PpfTable> tables;
-  std::vector<Eigen::Vector3d> centers;
+  std::vector<PpfProposer::Model> voted;
   for (PpfModel& model : models) {
-    centers.push_back(model.object.center);
     Result<KnownModel> made = MakeKnownModel(std::move(model.object), model.table);
     if (!made) return made.error();
+    voted.push_back({std::move(model.table), made->object.center, made->object.symmetry});
     known.push_back(std::move(made).value());
-    tables.push_back(std::move(model.table));
   }
-  return PoseEstimator::Create(
-      std::move(known),
-      std::make_unique<VotingProposer>(std::move(tables), std::move(centers), parameters.voting),
-      parameters.estimation);
+  return PoseEstimator::Create(std::move(known),
+                               std::make_unique<PpfProposer>(std::move(voted), parameters.voting),
+                               parameters.estimation);
 }
 
 Result<std::unique_ptr<PoseEstimator>> CreatePpfEstimator(

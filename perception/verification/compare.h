@@ -40,7 +40,9 @@ struct CompareJob {
   float lateral;         ///< m per m of depth
   float model_variance;  ///< m^2
   float squared_sigmas;  ///< square of the tolerance in standard deviations
+  float missing_cost;
   double outlier_cost;
+  double foreign_gain;
 
   double bound;        ///< gives up after the row in which the cost passes it
   uint8_t* explained;  ///< null, or of each of the image's pixels: becomes 1 where an inlier is

@@ -95,6 +95,8 @@ CompareJob MakeJob(const ObservedImage& image,
   job.model_variance = static_cast<float>(parameters.model_error * parameters.model_error);
   job.squared_sigmas = static_cast<float>(parameters.inlier_sigmas * parameters.inlier_sigmas);
   job.outlier_cost = parameters.outlier_cost;
+  job.missing_cost = static_cast<float>(parameters.missing_cost);
+  job.foreign_gain = parameters.foreign_gain;
   job.bound = std::numeric_limits<double>::infinity();
   return job;
 }
@@ -113,12 +115,16 @@ Result<void> VerificationParameters::Validate() const {
                         edge_px,
                         coarse_step)};
   }
-  if (!(min_score >= 0.0 && min_score <= 1.0) || !(outlier_cost > 0.0)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 Format("verification: min_score = %g (expected 0 to 1), outlier_cost = %g "
-                        "(expected above 0)",
-                        min_score,
-                        outlier_cost)};
+  if (!(min_score >= 0.0 && min_score <= 1.0) || !(outlier_cost > 0.0) || !(missing_cost >= 0.0) ||
+      !(foreign_gain >= 0.0)) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        Format("verification: min_score = %g (expected 0 to 1), outlier_cost = %g "
+               "(expected above 0), missing_cost = %g and foreign_gain = %g (expected 0 or more)",
+               min_score,
+               outlier_cost,
+               missing_cost,
+               foreign_gain)};
   }
   return {};
 }

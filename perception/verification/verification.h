@@ -19,6 +19,13 @@ struct VerificationParameters {
   int coarse_step = 4;          ///< px; every so many are compared to rank hypotheses
   double min_score = 0.8;       ///< [0, 1]; hypotheses of less are no detection
   double outlier_cost = 8.0;    ///< nats, of a pixel that contradicts the hypothesis
+  /// nats, of a pixel of the model, seen head on, where nothing was measured: by the squared cosine
+  /// of the slant. Shadows take some of every object, but a handle of which nothing is measured is
+  /// rather elsewhere.
+  double missing_cost = 2.0;
+  /// nats, saved by a pixel of another cluster on the model's surface: a handle may be a cluster of
+  /// its own.
+  double foreign_gain = 1.0;
   DepthNoise noise;
   Result<void> Validate() const;
 };
@@ -29,11 +36,12 @@ struct Verification {
   int occluded = 0;      ///< measured nearer, on another cluster
   int seen_through = 0;  ///< measured clearly farther than the model's surface
   int in_front = 0;      ///< measured nearer, on this cluster or on no cluster (the support)
-  int missing = 0;       ///< not measured; no evidence
+  int missing = 0;       ///< not measured; weak evidence, which the score leaves out
   int edge = 0;          ///< off by no more than the silhouette's uncertainty; no evidence
   int unexplained = 0;   ///< pixels of the cluster that the model does not reach
   double mse = 0.0;      ///< m^2, mean squared distance of inliers to the model's surface
-  double cost = 0.0;     ///< nats, negative log-likelihood; comparable within one cluster and step
+  double cost = 0.0;     ///< nats, negative log-likelihood but for a constant; comparable within
+                         ///< one cluster and step
 
   /// Of the visible model pixels those confirmed, [0, 1].
   [[nodiscard]] double inlier_fraction() const {
