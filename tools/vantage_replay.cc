@@ -12,7 +12,6 @@
 
 #include "bus/event_log.h"
 #include "bus/log_bus.h"
-#include "bus/message_check.h"
 #include "common/format.h"
 #include "nodes/command_line.h"
 #include "nodes/config_reader.h"
@@ -20,8 +19,8 @@
 #include "nodes/fusion_node.h"
 #include "nodes/ppf_config.h"
 #include "nodes/shot_config.h"
+#include "tools/support/log_config.h"
 #include "tools/support/object_table.h"
-#include "vantage/log_header_t.hpp"
 #include "vantage/object_estimates_v2_t.hpp"
 
 namespace vantage {
@@ -40,33 +39,6 @@ struct Arguments {
   std::vector<std::string> estimators = {"ppf"};
 };
 
-/// The text of a configuration and where it came from.
-struct ConfigText {
-  std::string file;  ///< Empty: from the log.
-  std::string text;
-};
-
-Result<ConfigText> ConfigFromHeader(const std::string& log) {
-  Result<std::unique_ptr<EventLogReader>> reader = EventLogReader::Open(log);
-  if (!reader) return reader.error();
-  const std::optional<LogEvent> first = (*reader)->Next();
-  if (first && first->channel == "LOG_HEADER") {
-    const Result<log_header_t> header = DecodeChecked<log_header_t>(first->data);
-    if (header && !header->config_text.empty()) return ConfigText{"", header->config_text};
-  }
-  return Error{
-      ErrorCode::kNotFound,
-      Format("log %s has no LOG_HEADER with a configuration, expected one or --config FILE",
-             log.c_str())};
-}
-
-Result<ConfigReader> OpenConfig(const Arguments& arguments) {
-  if (!arguments.config.empty()) return ConfigReader::Open(arguments.config);
-  const Result<ConfigText> text = ConfigFromHeader(arguments.log);
-  if (!text) return text.error();
-  return ConfigReader::Parse(text->text, arguments.log + " LOG_HEADER");
-}
-
 /// The nodes of one rerun. They outlive the bus's last step.
 struct Nodes {
   std::vector<std::unique_ptr<Node>> estimators;
@@ -77,7 +49,7 @@ Result<std::unique_ptr<Node>> MakeEstimator(Bus& bus,
                                             const Arguments& arguments,
                                             const std::string& name) {
   // A reader each: every process takes its own tables from the file.
-  Result<ConfigReader> config = OpenConfig(arguments);
+  Result<ConfigReader> config = OpenConfig(arguments.config, arguments.log);
   if (!config) return config.error();
   ProcessOptions options;
   options.name = name;
@@ -104,7 +76,7 @@ Result<Nodes> MakeNodes(Bus& bus, const Arguments& arguments) {
     nodes.estimators.push_back(std::move(estimator).value());
   }
 
-  Result<ConfigReader> config = OpenConfig(arguments);
+  Result<ConfigReader> config = OpenConfig(arguments.config, arguments.log);
   if (!config) return config.error();
   Result<FusionConfig> fusion_config = ReadFusionConfig(*config);
   if (!fusion_config) return fusion_config.error();
@@ -160,7 +132,7 @@ void PrintSummary(const LogBus& bus,
 Result<void> Replay(const Arguments& arguments) {
   Result<std::unique_ptr<EventLogReader>> reader = EventLogReader::Open(arguments.log);
   if (!reader) return reader.error();
-  Result<ConfigReader> config = OpenConfig(arguments);
+  Result<ConfigReader> config = OpenConfig(arguments.config, arguments.log);
   if (!config) return config.error();
   if (arguments.config.empty()) {
     std::fprintf(stderr, "vantage-replay: configuration from the log's LOG_HEADER\n");

@@ -156,7 +156,7 @@ void DrawOutline(const DepthRasterizer& rasterizer, const OutlinedModel& model, 
       for (int dv = -reach; dv <= reach; ++dv) {
         for (int du = -reach; du <= reach; ++du) {
           if (du * du + dv * dv <= radius * radius) {
-            BlendPixel(image, u + du, v + dv, color, coverage);
+            BlendPixel(image, u + du, v + dv, color, model.strength * coverage);
           }
         }
       }
@@ -188,7 +188,16 @@ DepthView DrawDepthView(const DepthImage& depth,
                         const std::vector<OutlinedModel>& models,
                         int width,
                         int height) {
-  const CameraModel cut = CutCamera(camera, WindowOfModels(camera, models), width, height);
+  return DrawDepthView(depth, camera, WindowOfModels(camera, models), models, width, height);
+}
+
+DepthView DrawDepthView(const DepthImage& depth,
+                        const CameraModel& camera,
+                        const PixelWindow& window,
+                        const std::vector<OutlinedModel>& models,
+                        int width,
+                        int height) {
+  const CameraModel cut = CutCamera(camera, window, width, height);
   DepthView view;
   FindRange(depth, camera, cut, &view.near, &view.far);
   view.image = ColorDepth(depth, camera, cut, view.near, view.far);

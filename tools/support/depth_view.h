@@ -17,6 +17,7 @@ struct OutlinedModel {
   const TriangleMesh* mesh = nullptr;
   Pose T_camera_mesh = Pose::Identity();
   Rgb color;
+  double strength = 1.0;  ///< [0, 1], how much of what is below the outline covers
 };
 
 /// A depth image in false color, cut to where the models are, with their outlines on it.
@@ -32,6 +33,14 @@ struct DepthView {
 /// Without a model in view the whole depth image is shown, as large as it fits.
 DepthView DrawDepthView(const DepthImage& depth,
                         const CameraModel& camera,
+                        const std::vector<OutlinedModel>& models,
+                        int width,
+                        int height);
+
+/// The same, cut to a window of the depth image.
+DepthView DrawDepthView(const DepthImage& depth,
+                        const CameraModel& camera,
+                        const PixelWindow& window,
                         const std::vector<OutlinedModel>& models,
                         int width,
                         int height);
