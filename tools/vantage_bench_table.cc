@@ -1,30 +1,30 @@
-// vantage-bench-table: turns what a Google Benchmark program measured into the project's table and
-// JSON: medians, bars, peers of the same run.
+// vantage-bench-table: turns what Google Benchmark programs and pose_comparison measured into the
+// project's tables and JSON: medians, bars, peers of the same run.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "common/format.h"
 #include "common/result.h"
 #include "nodes/command_line.h"
+#include "tools/support/bench_bars.h"
+#include "tools/support/pose_records.h"
+#include "tools/support/pose_summary.h"
+#include "tools/support/pose_table.h"
 
 namespace vantage {
 namespace {
 
 using nlohmann::json;
 
-/// One line of bars.csv: part, benchmark, bar, peer. A bar is an upper bound in the benchmark's own
-/// time unit; empty fields mean none.
-struct Bar {
-  std::optional<double> bar;
-  std::string peer;
-};
+using Bars = std::map<std::string, BenchBar>;
 
 struct Measured {
   std::string name;
@@ -32,39 +32,6 @@ struct Measured {
   std::string unit;
   json accuracy;
 };
-
-Result<std::map<std::string, Bar>> ReadBars(const std::string& file, const std::string& part) {
-  std::ifstream stream(file);
-  if (!stream) return Error{ErrorCode::kNotFound, "bars " + file + " can't be read"};
-  std::map<std::string, Bar> bars;
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    if (line.empty() || line[0] == '#') continue;
-    std::vector<std::string> fields;
-    std::istringstream columns(line + ",");
-    for (std::string field; std::getline(columns, field, ',');) fields.push_back(field);
-    if (fields.size() != 4) {
-      return Error{ErrorCode::kCorrupt,
-                   Format("%s:%d: expected part,benchmark,bar,peer", file.c_str(), number)};
-    }
-    if (fields[0] != part) continue;
-    Bar bar;
-    bar.peer = fields[3];
-    if (!fields[2].empty()) {
-      char* end = nullptr;
-      bar.bar = std::strtod(fields[2].c_str(), &end);
-      if (*end != '\0' || *bar.bar <= 0.0) {
-        return Error{ErrorCode::kCorrupt,
-                     Format("%s:%d: bar \"%s\", expected a positive number",
-                            file.c_str(),
-                            number,
-                            fields[2].c_str())};
-      }
-    }
-    bars[fields[1]] = bar;
-  }
-  return bars;
-}
 
 Result<json> ReadJson(const std::string& file) {
   std::ifstream stream(file);
@@ -76,7 +43,7 @@ Result<json> ReadJson(const std::string& file) {
   return document;
 }
 
-std::vector<Measured> Medians(const json& document) {
+void AppendMedians(const json& document, std::vector<Measured>* rows) {
   static const std::vector<std::string> kOwnKeys = {"family_index",
                                                     "per_family_instance_index",
                                                     "repetitions",
@@ -87,7 +54,6 @@ std::vector<Measured> Medians(const json& document) {
                                                     "cpu_time",
                                                     "items_per_second",
                                                     "bytes_per_second"};
-  std::vector<Measured> rows;
   for (const json& entry : document["benchmarks"]) {
     if (entry.value("aggregate_name", "") != "median") continue;
     Measured row;
@@ -99,12 +65,24 @@ std::vector<Measured> Medians(const json& document) {
       const bool own = std::find(kOwnKeys.begin(), kOwnKeys.end(), key) != kOwnKeys.end();
       if (value.is_number() && !own) row.accuracy[key] = value;
     }
-    rows.push_back(row);
+    rows->push_back(row);
   }
-  return rows;
 }
 
-json MakeRow(const Measured& measured, const Bar& bar, const std::vector<Measured>& all) {
+// Appends the medians. @return the context that they were measured in.
+Result<json> ReadMeasurements(const std::string& file, std::vector<Measured>* rows) {
+  const Result<json> document = ReadJson(file);
+  if (!document) return document.error();
+  try {  // Values of other types than Google Benchmark's throw.
+    AppendMedians(*document, rows);
+    return document->at("context");
+  } catch (const json::exception& exception) {
+    return Error{ErrorCode::kCorrupt,
+                 file + " is no output of Google Benchmark: " + exception.what()};
+  }
+}
+
+json MakeRow(const Measured& measured, const BenchBar& bar, const std::vector<Measured>& all) {
   json row = {{"name", measured.name},
               {"value", measured.value},
               {"unit", measured.unit},
@@ -114,9 +92,9 @@ json MakeRow(const Measured& measured, const Bar& bar, const std::vector<Measure
               {"peer_value", nullptr},
               {"ratio", nullptr},
               {"accuracy", measured.accuracy}};
-  if (bar.bar) {
-    row["bar"] = *bar.bar;
-    row["met"] = measured.value <= *bar.bar;
+  if (bar.limit) {
+    row["bar"] = *bar.limit;
+    row["met"] = bar.IsMetBy(measured.value);
   }
   for (const Measured& peer : all) {
     if (bar.peer.empty() || peer.name != bar.peer || peer.unit != measured.unit) continue;
@@ -124,6 +102,46 @@ json MakeRow(const Measured& measured, const Bar& bar, const std::vector<Measure
     row["peer_value"] = peer.value;
     row["ratio"] = peer.value / measured.value;
   }
+  return row;
+}
+
+// What an estimator gave over the views of a model, beside the fastest of the others.
+json MakePoseRow(const PoseSummary& summary, const PoseComparison& comparison) {
+  json row = {{"name", summary.estimator + "/" + summary.model},
+              {"value", summary.median_ms},
+              {"unit", "ms"},
+              {"bar", nullptr},
+              {"met", nullptr},
+              {"peer", nullptr},
+              {"peer_value", nullptr},
+              {"ratio", nullptr},
+              {"accuracy",
+               {{"views", summary.views},
+                {"p99_ms", summary.p99_ms},
+                {"within_pct", summary.within_pct},
+                {"success_pct", summary.success_pct}}}};
+  if (std::isfinite(summary.median_deg)) {
+    row["accuracy"]["median_deg"] = summary.median_deg;
+    row["accuracy"]["median_mm"] = summary.median_mm;
+  }
+  for (const auto& [stage, ms] : summary.stages_ms) row["accuracy"][stage + "_ms"] = ms;
+  const PoseSummary* ours = comparison.BesidePeers(summary.model, summary.estimator);
+  const PoseSummary* peer = comparison.FastestPeer(summary.model);
+  if (ours != nullptr && peer != nullptr) {
+    row["peer"] = peer->estimator + "/" + peer->model;
+    row["peer_value"] = peer->median_ms;
+    row["ratio"] = peer->median_ms / ours->median_ms;
+  }
+  return row;
+}
+
+// A figure of whole estimators that has a bar; of every model's the worst.
+json MakeFigureRow(const std::string& name,
+                   const PoseComparison::Figure& figure,
+                   const BenchBar& bar) {
+  Measured measured{name, figure.value, figure.unit, json::object()};
+  json row = MakeRow(measured, bar, {});
+  row["model"] = figure.model;
   return row;
 }
 
@@ -141,6 +159,7 @@ void PrintTable(const json& rows) {
     for (const auto& [key, value] : row["accuracy"].items()) {
       notes += Format("%s%s %.4g", notes.empty() ? "" : ", ", key.c_str(), value.get<double>());
     }
+    if (row.contains("model")) notes = "on " + row["model"].get<std::string>();
     const std::string bar = row["bar"].is_null() ? "" : Format("%.4g", row["bar"].get<double>());
     const std::string met = row["met"].is_null() ? "" : (row["met"].get<bool>() ? "yes" : "NO");
     const std::string ratio =
@@ -157,7 +176,8 @@ void PrintTable(const json& rows) {
 }
 
 struct Options {
-  std::string raw;
+  std::vector<std::string> raw;
+  std::vector<std::string> poses;
   std::string bars;
   std::string part;
   std::string commit;
@@ -165,30 +185,32 @@ struct Options {
   bool check = false;
 };
 
-Result<bool> Run(const Options& options) {
-  const Result<std::map<std::string, Bar>> bars = ReadBars(options.bars, options.part);
-  if (!bars) return bars.error();
-  const Result<json> document = ReadJson(options.raw);
-  if (!document) return document.error();
-  const std::vector<Measured> measured = Medians(*document);
+// A bar that is of no benchmark is of a figure of whole estimators, the worst one of "every" model.
+Result<json> MakeRows(const std::vector<Measured>& measured,
+                      const PoseComparison& poses,
+                      const Bars& bars,
+                      const std::string& bars_file) {
   json rows = json::array();
-  bool all_met = true;
   for (const Measured& each : measured) {
-    const auto found = bars->find(each.name);
-    const json row = MakeRow(each, found == bars->end() ? Bar{} : found->second, measured);
-    if (row["met"].is_boolean() && !row["met"].get<bool>()) all_met = false;
-    rows.push_back(row);
+    const auto bar = bars.find(each.name);
+    rows.push_back(MakeRow(each, bar == bars.end() ? BenchBar{} : bar->second, measured));
   }
-  for (const auto& [name, bar] : *bars) {
+  for (const auto& [name, bar] : bars) {
     const bool present = std::any_of(
         measured.begin(), measured.end(), [&](const Measured& each) { return each.name == name; });
-    if (!present) {
+    if (present) continue;
+    const Result<PoseComparison::Figure> figure = poses.Find(name);
+    if (!figure) {
       return Error{ErrorCode::kNotFound,
-                   options.bars + " names the benchmark " + name + ", which did not run"};
+                   bars_file + " names the benchmark " + name +
+                       ", which did not run: " + figure.error().message};
     }
+    rows.push_back(MakeFigureRow(name, *figure, bar));
   }
-  PrintTable(rows);
-  const json& context = document->at("context");
+  return rows;
+}
+
+Result<void> WriteJson(const Options& options, const json& context, const json& rows) {
   const json result = {{"machine",
                         {{"num_cpus", context.value("num_cpus", 0)},
                          {"mhz_per_cpu", context.value("mhz_per_cpu", 0)}}},
@@ -196,18 +218,40 @@ Result<bool> Run(const Options& options) {
                        {"rows", rows}};
   std::ofstream stream(options.output);
   stream << result.dump(1) << '\n';
+  stream.flush();
   if (!stream) return Error{ErrorCode::kIo, options.output + " can't be written"};
-  return all_met;
+  return {};
 }
 
-// The file's structure is Google Benchmark's or it is refused: values of other types throw.
-Result<bool> RunChecked(const Options& options) {
-  try {
-    return Run(options);
-  } catch (const json::exception& exception) {
-    return Error{ErrorCode::kCorrupt,
-                 options.raw + " is no output of Google Benchmark: " + exception.what()};
+/// @return whether all bars are met.
+Result<bool> Run(const Options& options) {
+  const Result<Bars> bars = ReadBenchBars(options.bars, options.part);
+  if (!bars) return bars.error();
+  std::vector<Measured> measured;
+  json context;
+  for (const std::string& file : options.raw) {
+    Result<json> read = ReadMeasurements(file, &measured);
+    if (!read) return read.error();
+    context = std::move(read).value();
   }
+  std::vector<PoseRecord> records;
+  for (const std::string& file : options.poses) {
+    if (const Result<void> read = ReadPoseRecords(file, &records); !read) return read.error();
+  }
+  const PoseComparison poses(records);
+  Result<json> rows = MakeRows(measured, poses, *bars, options.bars);
+  if (!rows) return rows.error();
+  if (!records.empty()) std::printf("%s\n", PoseTable(poses).c_str());
+  PrintTable(*rows);
+  for (const PoseSummary& summary : poses.summaries()) {
+    rows->push_back(MakePoseRow(summary, poses));
+  }
+  if (const Result<void> written = WriteJson(options, context, *rows); !written) {
+    return written.error();
+  }
+  return std::none_of(rows->begin(), rows->end(), [](const json& row) {
+    return row["met"].is_boolean() && !row["met"].get<bool>();
+  });
 }
 
 }  // namespace
@@ -217,14 +261,15 @@ int main(int argc, char** argv) {
   vantage::Options options;
   CLI::App app("Table and JSON of a benchmark's medians, with bars and peers",
                "vantage-bench-table");
-  app.add_option("measurements", options.raw, "JSON of Google Benchmark")->required();
+  app.add_option("measurements", options.raw, "JSON of Google Benchmark programs")->required();
+  app.add_option("--poses", options.poses, "JSON lines of pose_comparison");
   app.add_option("--bars", options.bars, "CSV of part,benchmark,bar,peer")->required();
   app.add_option("--part", options.part, "which part's bars count")->required();
   app.add_option("--commit", options.commit, "what was measured");
   app.add_option("--output", options.output, "JSON to write")->required();
   app.add_flag("--check", options.check, "exit 1 when a bar is not met");
   if (const std::optional<int> code = vantage::ParseCommandLine(app, argc, argv)) return *code;
-  const vantage::Result<bool> met = vantage::RunChecked(options);
+  const vantage::Result<bool> met = vantage::Run(options);
   if (!met) {
     std::fprintf(stderr, "vantage-bench-table: %s\n", met.error().message.c_str());
     return 2;

@@ -1,5 +1,5 @@
 vantage_benchmark(perception_bench
-  SOURCES perception_bench.cc
+  SOURCES perception_bench.cc table_frames.cc
   LINK vantage_perception vantage_drivers_sim vantage_tools_support benchmark::benchmark_main)
 find_package(embree 3 QUIET)
 if(embree_FOUND)

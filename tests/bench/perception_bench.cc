@@ -1,20 +1,21 @@
-// The stages of vantage-ppf on a VGA image of three objects on a table as the simulated sensor sees
-// it from 0.75 m, and the whole on recorded views of a printed bunny where they are there. Counters
-// give the accuracy that the time buys.
+// Stages of vantage-ppf on a VGA image of three objects on a table as the simulated sensor sees it
+// from 0.75 m, the whole on such images, and on recorded views of a printed bunny where they are
+// there. Counters give the accuracy that the time buys. Segmentation and verification have programs
+// of their own.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
-#include "drivers/sim/scene_renderer.h"
-#include "drivers/sim/sensor_model.h"
 #include "perception/model/mesh_import.h"
 #include "perception/model/model_builder.h"
 #include "perception/model/model_generator.h"
 #include "perception/ppf/ppf_estimator.h"
+#include "tests/bench/table_frames.h"
 #include "tools/support/png_image.h"
 
 namespace vantage {
@@ -35,44 +36,9 @@ const std::vector<ObjectModel>& Models() {
   return models;
 }
 
-struct Frame {
-  CameraModel camera;
-  std::vector<Pose> T_camera_object;  // Of Models().
-  DepthImage depth;
-};
-
-// Frame `number` of a camera that goes round the table.
-Frame MakeFrame(int number) {
-  SimScene scene;
-  scene.table = SimPlane{};
-  scene.floor = SimPlane{-0.7, {6.0, 6.0}, {0.0, 0.0}};
-  for (size_t i = 0; i < Models().size(); ++i) {
-    const double around = 2.1 * static_cast<double>(i);
-    const Pose T(Eigen::Translation3d(0.16 * std::cos(around), 0.16 * std::sin(around), 0.0) *
-                 Eigen::AngleAxisd(0.7 * number + around, Eigen::Vector3d::UnitZ()));
-    scene.objects.push_back({Models()[i].id, Models()[i].mesh, T});
-  }
-  const double azimuth = 0.83 * number;
-  const double elevation = (30.0 + 13.0 * (number % 4)) * kDegree;
-  const Pose T_world_camera = LookAt(0.75 * Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
-                                                            std::cos(elevation) * std::sin(azimuth),
-                                                            std::sin(elevation)),
-                                     Eigen::Vector3d(0.0, 0.0, 0.04));
-  Frame frame;
-  SceneRenderer renderer(scene, frame.camera);
-  SensorModelParameters parameters;
-  parameters.device_id = static_cast<uint64_t>(number);
-  SensorModel sensor(parameters, frame.camera);
-  sensor.Measure(renderer.Render(T_world_camera), number, 0.0, &frame.depth);
-  for (const SimObject& object : scene.objects) {
-    frame.T_camera_object.push_back(T_world_camera.inverse() * object.T_world_object);
-  }
-  return frame;
-}
-
 // One frame with its segments; the bracket's cluster.
 struct Segmented {
-  Frame frame = MakeFrame(1);
+  TableFrame frame = MakeTableFrame(1);
   Segmentation segmentation;
   size_t bracket = 0;
   std::vector<SurfacePoint> scene;
@@ -130,32 +96,40 @@ double ErrorDegrees(const Pose& a, const Pose& b) {
   return GeodesicAngle(Eigen::Quaterniond(a.linear()), Eigen::Quaterniond(b.linear())) / kDegree;
 }
 
-void BM_Segmentation(benchmark::State& state) {
-  const Frame& frame = Fixture().frame;
-  size_t clusters = 0;
-  for (auto _ : state) {
-    Rng rng(1);
-    clusters = Segment(frame.depth, frame.camera, {}, rng).clusters.size();
+double Seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Of all objects that this project makes itself.
+void BM_TrainSlowestModel(benchmark::State& state) {
+  std::vector<SurfacePoint> samples;
+  double diameter = 0.0;
+  double slowest = 0.0;
+  for (const std::string& name : GeneratedObjectNames()) {
+    const GeneratedObject object = GenerateObject(name).value();
+    const ObjectModel model =
+        BuildObjectModel(name, object.mesh, object.symmetry, "generated", {}).value();
+    const double start = Seconds();
+    benchmark::DoNotOptimize(PpfTable::Train(model.samples, model.diameter, {}).value());
+    const double seconds = Seconds() - start;
+    if (seconds <= slowest) continue;
+    slowest = seconds;
+    samples = model.samples;
+    diameter = model.diameter;
+    state.SetLabel(name);
   }
-  state.counters["clusters"] = static_cast<double>(clusters);
-}
-BENCHMARK(BM_Segmentation)->Unit(benchmark::kMillisecond);
-
-void BM_NormalsOfOneCluster(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(Fixture().Sample());
-  state.counters["points"] = static_cast<double>(Fixture().scene.size());
-}
-BENCHMARK(BM_NormalsOfOneCluster)->Unit(benchmark::kMillisecond);
-
-void BM_TrainTable(benchmark::State& state) {
-  const ObjectModel& model = Models()[kBracket];
   size_t entries = 0;
-  for (auto _ : state) {
-    entries = PpfTable::Train(model.samples, model.diameter, {}).value().num_entries();
-  }
+  for (auto _ : state) entries = PpfTable::Train(samples, diameter, {}).value().num_entries();
   state.counters["entries"] = static_cast<double>(entries);
 }
-BENCHMARK(BM_TrainTable)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_TrainSlowestModel)->Unit(benchmark::kMillisecond);
+
+// All that a model takes when vantage-ppf starts.
+void BM_MakeEstimator(benchmark::State& state) {
+  const std::vector<ObjectModel> models = {Models()[kBracket]};
+  for (auto _ : state) benchmark::DoNotOptimize(CreatePpfEstimator(models, {}).value());
+}
+BENCHMARK(BM_MakeEstimator)->Unit(benchmark::kMillisecond);
 
 void BM_VotingOneClusterOneModel(benchmark::State& state) {
   const ObjectModel& model = Models()[kBracket];
@@ -173,18 +147,6 @@ void BM_VotingOneClusterOneModel(benchmark::State& state) {
   state.counters["best_deg"] = best;
 }
 BENCHMARK(BM_VotingOneClusterOneModel)->Unit(benchmark::kMillisecond);
-
-void BM_VerificationOneHypothesis(benchmark::State& state) {
-  const int step = static_cast<int>(state.range(0));
-  const Pose& T = Fixture().frame.T_camera_object[kBracket];
-  ModelView view;
-  Verification result;
-  for (auto _ : state) {
-    result = Verify(BracketShape(), T, Fixture().image(), Fixture().bracket, step, {}, &view);
-  }
-  state.counters["score_of_truth"] = result.score();
-}
-BENCHMARK(BM_VerificationOneHypothesis)->Arg(1)->Arg(4)->Unit(benchmark::kMicrosecond);
 
 void BM_RefinementCoarse(benchmark::State& state) {
   const ObjectModel& model = Models()[kBracket];
@@ -224,12 +186,12 @@ double Quantile(std::vector<double> values, double share) {
 
 void BM_FrameOfThreeObjectsAndModels(benchmark::State& state) {
   const auto estimator = CreatePpfEstimator(Models(), {}).value();
-  std::vector<Frame> frames;
-  for (int i = 0; i < 8; ++i) frames.push_back(MakeFrame(i));
+  std::vector<TableFrame> frames;
+  for (int i = 0; i < 8; ++i) frames.push_back(MakeTableFrame(i));
   std::vector<double> degrees;
   size_t next = 0;
   for (auto _ : state) {
-    const Frame& frame = frames[next % frames.size()];
+    const TableFrame& frame = frames[next % frames.size()];
     Rng rng(next % frames.size());
     const PoseEstimator::Output output = estimator->Estimate(frame.depth, frame.camera, rng);
     if (next++ >= frames.size()) continue;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -90,12 +91,65 @@ TEST_F(BenchTable, PeerOfAnotherUnitIsNoPeer) {
   EXPECT_TRUE(Out()["rows"][0]["ratio"].is_null());
 }
 
+constexpr const char* kPoses =
+    R"({"model":"cup","estimator":"ours","view":0,"is_peer":false,"ms":2,"stages_ms":{"a":2},)"
+    R"("within":true,"success":true,"angle_deg":0.5,"distance_mm":1})"
+    "\n"
+    R"({"model":"cup","estimator":"theirs","view":0,"is_peer":true,"ms":50,"stages_ms":{},)"
+    R"("within":false,"success":false})"
+    "\n";
+
+TEST_F(BenchTable, WholeEstimatorsBesideSeveralPrograms) {
+  std::ofstream(scratch() / "poses.jsonl") << kPoses;
+  std::ofstream(scratch() / "more.json")
+      << R"({"context": {"num_cpus": 4}, "benchmarks": [{"run_name": "More",
+            "aggregate_name": "median", "cpu_time": 1.0, "time_unit": "us"}]})";
+  const std::string bars =
+      "p,Ours,20,\np,More,2,\np,ours/every/median_ms,1.5,\n"
+      "p,ours/all/times_faster_than_fastest_peer,>=25,\n"
+      "p,ours/cup/success_pct,>=99,\n";
+  const ProgramOutput output = Run(bars, kMeasured, "more.json --poses poses.jsonl --check");
+  EXPECT_EQ(output.exit_code, 1) << output.text;
+  EXPECT_NE(output.text.find("theirs"), std::string::npos) << output.text;
+  const nlohmann::json out = Out();
+  std::map<std::string, nlohmann::json> rows;
+  for (const nlohmann::json& row : out["rows"]) rows[row["name"]] = row;
+  EXPECT_EQ(rows["More"]["met"], true);
+  EXPECT_EQ(rows["ours/every/median_ms"]["value"], 2.0);
+  EXPECT_EQ(rows["ours/every/median_ms"]["met"], false);
+  EXPECT_EQ(rows["ours/every/median_ms"]["model"], "cup");
+  EXPECT_EQ(rows["ours/all/times_faster_than_fastest_peer"]["value"], 25.0);
+  EXPECT_EQ(rows["ours/all/times_faster_than_fastest_peer"]["met"], true) << "a lower bound";
+  EXPECT_EQ(rows["ours/cup/success_pct"]["met"], true);
+  const nlohmann::json& ours = rows["ours/cup"];
+  EXPECT_EQ(ours["value"], 2.0);
+  EXPECT_EQ(ours["peer"], "theirs/cup");
+  EXPECT_EQ(ours["peer_value"], 50.0);
+  EXPECT_EQ(ours["ratio"], 25.0);
+  EXPECT_EQ(ours["accuracy"]["success_pct"], 100.0);
+  EXPECT_EQ(ours["accuracy"]["median_deg"], 0.5);
+  EXPECT_EQ(ours["accuracy"]["a_ms"], 2.0);
+  EXPECT_TRUE(rows["theirs/cup"]["ratio"].is_null());
+  EXPECT_FALSE(rows["theirs/cup"]["accuracy"].contains("median_deg")) << "none was within";
+}
+
+TEST_F(BenchTable, BadEstimatesAreErrors) {
+  std::ofstream(scratch() / "poses.jsonl") << kPoses << "[]\n";
+  const ProgramOutput output = Run("", kMeasured, "--poses poses.jsonl");
+  EXPECT_EQ(output.exit_code, 2) << output.text;
+  EXPECT_NE(output.text.find("poses.jsonl:3"), std::string::npos) << output.text;
+  EXPECT_EQ(Run("", kMeasured, "--poses none.jsonl").exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(scratch() / "out.json"));
+}
+
 TEST_F(BenchTable, MissingBenchmarkIsAnError) { ExpectRefused("p,Gone,5,\n", kMeasured, "Gone"); }
 
 TEST_F(BenchTable, BadFilesAreErrors) {
   ExpectRefused("p,Ours\n", kMeasured, "bars.csv:1");
   ExpectRefused("\np,Ours,fast,\n", kMeasured, "bars.csv:2: bar \"fast\"");
   ExpectRefused("p,Ours,-1,\n", kMeasured, "expected a positive number");
+  ExpectRefused("p,Ours,>=,\n", kMeasured, "expected a positive number");
+  ExpectRefused("p,ours/every/p99_ms,8,\n", kMeasured, "ours/every/p99_ms");
   const std::string bars = "p,Ours,20,\n";
   ExpectRefused(bars, "", "raw.json");
   ExpectRefused(bars, "{\"benchmarks\": [", "raw.json");

@@ -28,6 +28,8 @@ struct Options {
   int peer_views = 20;
   uint64_t seed = 1;
   std::vector<std::string> models;
+  size_t first = 0;
+  size_t step = 1;
   std::vector<std::string> estimators;
   std::string meshes = VANTAGE_SOURCE_DIR "/../shared/data/meshes";
   std::string output;
@@ -134,7 +136,8 @@ Result<void> Run(const Options& options) {
   const Result<std::vector<EstimatorKind>> kinds = SelectEstimators(options.estimators);
   if (!kinds) return kinds.error();
   std::ofstream out(options.output);
-  for (const std::string& name : options.models) {
+  for (size_t i = options.first; i < options.models.size(); i += options.step) {
+    const std::string& name = options.models[i];
     const Result<ObjectModel> model = MakeComparedModel(name, options.meshes);
     if (!model && model.error().code == ErrorCode::kNotFound) {
       std::printf("%-22s left out: %s\n", name.c_str(), model.error().message.c_str());
@@ -160,6 +163,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 100000));
   app.add_option("--seed", options.seed, "of the views")->check(CLI::Range(0, 1000000000));
   app.add_option("--models", options.models, "separated by commas")->delimiter(',');
+  app.add_option(
+      "--first", options.first, "number of the first of the models that is used, from 0");
+  app.add_option("--step", options.step, "to the next one that is used, so that others share them")
+      ->check(CLI::Range(1, 1000));
   app.add_option("--estimators", options.estimators, "separated by commas")->delimiter(',');
   app.add_option("--meshes", options.meshes, "folder of scans; those that it lacks are left out");
   app.add_option("--output", options.output, "JSON lines to write")->required();
