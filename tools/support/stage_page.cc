@@ -14,8 +14,8 @@ using Layout = StageLayout;
 
 constexpr int kTextLine = 19;      // px
 constexpr int kSwatch = 11;        // px
-constexpr double kLetter = 6.2;    // px, mean width in a legend
-constexpr double kBetween = 16.0;  // px, between two entries
+constexpr double kLetter = 6.4;    // px, mean width in a legend
+constexpr double kBetween = 18.0;  // px, between two entries
 constexpr Rgb kWords = {70, 72, 80};
 
 void Paste(const RgbImage& from, int left, int top, RgbImage* to) {

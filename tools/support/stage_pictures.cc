@@ -71,9 +71,11 @@ class StageArtist {
     }
     panel.title = Format("Segments: %d %s", num_whole, num_whole == 1 ? "cluster" : "clusters");
     panel.legend = {{{}, "a color each, its parts in shades"},
-                    {kPlane, "plane"},
-                    {kNoSegment, "in no segment: off the support or too small"},
-                    {kNoDepth, "nothing measured"}};
+                    {kNoDepth, "nothing measured"},
+                    {kNoSegment, "in no segment"}};
+    for (size_t i = 0; i < trace_.segmentation.planes.size(); ++i) {
+      panel.legend.push_back({PlaneColor(i), Format("plane %zu", i)});
+    }
     return panel;
   }
 
@@ -229,11 +231,15 @@ class StageArtist {
     const int32_t label = trace_.segmentation.labels[at];
     if (label != Segmentation::kNoCluster) return ColorOfLabel(label);
     const Eigen::Vector3d p_camera = image_.camera.Unproject(u, v, static_cast<double>(depth));
-    const bool on_plane =
-        std::ranges::any_of(trace_.segmentation.planes, [&](const SupportPlane& plane) {
-          return std::abs(plane.Height(p_camera)) < 2.0 * min_height_;
-        });
-    return on_plane ? kPlane : kNoSegment;
+    for (size_t i = 0; i < trace_.segmentation.planes.size(); ++i) {
+      const double height = trace_.segmentation.planes[i].Height(p_camera);
+      if (std::abs(height) < 2.0 * min_height_) return PlaneColor(i);
+    }
+    return kNoSegment;
+  }
+
+  static Rgb PlaneColor(size_t plane) {
+    return Mix(kPlane, {150, 120, 70}, std::min(0.4 * static_cast<double>(plane), 1.0));
   }
 
   // Counts the clusters that are no parts before the one of a label.

@@ -59,12 +59,13 @@ std::string DescribeModel(const StageTrace& trace, const ModelTrace& model, doub
 }  // namespace
 
 std::string DescribeStages(const StageTrace& trace, const StageImage& image, double min_score) {
-  std::string text = Format("image %d of %d taken at rest, %jd us, %d x %d px\n",
+  std::string text = Format("image %d of %d taken at rest, %jd us, %d x %d px, %zu planes\n",
                             image.number,
                             image.count,
                             intmax_t{image.utime},
                             image.depth.width,
-                            image.depth.height);
+                            image.depth.height,
+                            trace.segmentation.planes.size());
   if (trace.clusters.empty()) text += "no cluster: nothing stands out of the support plane\n";
   for (size_t i = 0; i < trace.clusters.size(); ++i) {
     text += DescribeCluster(trace, i);
