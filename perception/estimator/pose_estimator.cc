@@ -9,11 +9,15 @@
 namespace vantage {
 namespace {
 
-constexpr int kFineStep = 2;  // px
+constexpr int kFineStep = 2;                  // px
+constexpr size_t kManyPixels = 2000;          // Of a cluster of more, every kFineStep-th will do.
+constexpr double kSameAngle = 4.0 * kDegree;  // Between poses that count as one.
+constexpr double kNearAngle = 1.5 * kDegree;  // Between poses of which one is enough to go on with.
 // Of the cost of a cluster of which nothing is explained: what is worse than the best by more is
 // given up; what is worse by less may yet become better.
-constexpr double kHopeless = 0.5;
-constexpr double kRival = 0.02;
+constexpr double kHopeless = 0.2;   // At first.
+constexpr double kUnlikely = 0.04;  // After the refinement on points.
+constexpr double kRival = 0.002;    // After that on few pixels.
 
 // Keeps a random subset, in its order.
 void ThinAtRandom(size_t size, Rng& rng, std::vector<SurfacePoint>* points) {
@@ -27,6 +31,15 @@ void ThinAtRandom(size_t size, Rng& rng, std::vector<SurfacePoint>* points) {
 template <class Values>
 void Truncate(int size, Values* values) {
   if (values->size() > static_cast<size_t>(size)) values->resize(static_cast<size_t>(size));
+}
+
+// Of sorted hypotheses those whose cost is more than `margin` above the best one's go.
+template <class Hypotheses>
+void DropWorse(double margin, Hypotheses* hypotheses) {
+  while (hypotheses->size() > 1 &&
+         hypotheses->back().verification.cost > hypotheses->front().verification.cost + margin) {
+    hypotheses->pop_back();
+  }
 }
 
 // By cost. A stable sort would allocate; these are few.
@@ -90,7 +103,7 @@ PoseEstimator::PoseEstimator(std::vector<KnownModel> models,
 void PoseEstimator::Verify(
     size_t cluster, Effort effort, size_t first, StageTimes* times, Hypotheses* hypotheses) {
   const StageTimer timer(times, &StageTimes::verification);
-  const int step = Step(effort);
+  const int step = Step(effort, cluster);
   double best = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < hypotheses->size(); ++i) {
     Hypothesis& hypothesis = (*hypotheses)[i];
@@ -111,9 +124,10 @@ void PoseEstimator::Verify(
   SortByCost(hypotheses);
 }
 
-int PoseEstimator::Step(Effort effort) const {
+int PoseEstimator::Step(Effort effort, size_t cluster) const {
   if (effort == Effort::kCoarse) return parameters_.verification.coarse_step;
-  return effort == Effort::kFine ? kFineStep : 1;
+  const size_t size = image_.image().segmentation.clusters[cluster].pixels.size();
+  return size > kManyPixels ? kFineStep : 1;
 }
 
 // Nats of a cluster of which nothing is explained.
@@ -122,10 +136,9 @@ double PoseEstimator::PixelCost(size_t cluster, int step) {
          static_cast<double>(image_.ClusterSize(step, cluster));
 }
 
-// Of sorted hypotheses the first `count` that differ.
-void PoseEstimator::KeepDistinct(size_t count, Hypotheses* hypotheses) {
-  constexpr double kSameAngle = 4.0 * kDegree;
-  constexpr double kSamePlace = 0.03;  // Of the diameter.
+// The first `count` that differ by `angle` (rad), or as a point at the diameter's end would move by
+// it.
+void PoseEstimator::KeepDistinct(size_t count, double angle, Hypotheses* hypotheses) {
   distinct_.clear();
   for (const Hypothesis& hypothesis : *hypotheses) {
     const ObjectModel& model = models_[hypothesis.model].object;
@@ -133,10 +146,10 @@ void PoseEstimator::KeepDistinct(size_t count, Hypotheses* hypotheses) {
     const bool is_known = std::ranges::any_of(distinct_, [&](const Hypothesis& other) {
       const Pose& T_other = other.T_camera_object;
       return other.model == hypothesis.model &&
-             (T * model.center - T_other * model.center).norm() < kSamePlace * model.diameter &&
+             (T * model.center - T_other * model.center).norm() < 0.5 * angle * model.diameter &&
              SymmetricAngle(model.symmetry,
                             Eigen::Quaterniond(T.linear()),
-                            Eigen::Quaterniond(T_other.linear())) < kSameAngle;
+                            Eigen::Quaterniond(T_other.linear())) < angle;
     });
     if (!is_known) distinct_.push_back(hypothesis);
     if (distinct_.size() == count) break;
@@ -178,6 +191,7 @@ void PoseEstimator::Propose(size_t cluster,
                                        .T_camera_object;
     }
   }
+  KeepDistinct(proposed_.size(), kNearAngle, &proposed_);
   Verify(cluster, Effort::kCoarse, 0, times, &proposed_);
   // A pose that explains little has no use for others like it.
   constexpr double kPromising = 0.3;
@@ -189,7 +203,7 @@ void PoseEstimator::Propose(size_t cluster,
     }
     Verify(cluster, Effort::kCoarse, count, times, &proposed_);
   }
-  KeepDistinct(static_cast<size_t>(parameters_.coarse_hypotheses), &proposed_);
+  KeepDistinct(static_cast<size_t>(parameters_.coarse_hypotheses), kSameAngle, &proposed_);
 }
 
 void PoseEstimator::Refine(Effort effort, StageTimes* times, Hypotheses* hypotheses) {
@@ -209,22 +223,21 @@ void PoseEstimator::Refine(Effort effort, StageTimes* times, Hypotheses* hypothe
   }
 }
 
-// Of sorted hypotheses those that are best after refinement on pixels, first of all on few, then of
-// the best and its rivals on all.
+// Of hypotheses sorted after the coarse verification the best after refinement on pixels: where
+// several may be it, first of all on few pixels, then of the best and its rivals on all.
 void PoseEstimator::Settle(size_t cluster, StageTimes* times, Hypotheses* hypotheses) {
-  Truncate(parameters_.fine_hypotheses, hypotheses);
-  Refine(Effort::kFine, times, hypotheses);
-  Verify(cluster, Effort::kFine, 0, times, hypotheses);
   const auto count = static_cast<size_t>(parameters_.hypotheses_per_cluster);
-  KeepDistinct(count + 1, hypotheses);
-  if (hypotheses->size() > count &&
-      hypotheses->back().verification.cost >
-          hypotheses->front().verification.cost + kRival * PixelCost(cluster, kFineStep)) {
-    hypotheses->pop_back();
+  Truncate(parameters_.fine_hypotheses, hypotheses);
+  DropWorse(kUnlikely * PixelCost(cluster, Step(Effort::kCoarse, cluster)), hypotheses);
+  if (hypotheses->size() > count) {
+    Refine(Effort::kFine, times, hypotheses);
+    Verify(cluster, Effort::kFine, 0, times, hypotheses);
+    KeepDistinct(count + 1, kSameAngle, hypotheses);
+    DropWorse(kRival * PixelCost(cluster, Step(Effort::kFine, cluster)), hypotheses);
   }
   Refine(Effort::kLast, times, hypotheses);
   Verify(cluster, Effort::kLast, 0, times, hypotheses);
-  KeepDistinct(count, hypotheses);
+  KeepDistinct(count, kSameAngle, hypotheses);
 }
 
 // The accepted hypotheses of all models for one cluster, best first, in explained_.
@@ -251,7 +264,17 @@ void PoseEstimator::Explain(size_t cluster, Rng& rng, StageTimes* times) {
   });
 }
 
-bool PoseEstimator::IsExplained(const Cluster& cluster) const {
+// True when what was found before is seen on most of the cluster.
+bool PoseEstimator::IsExplained(const Cluster& cluster) {
+  if (unmarked_) {
+    MarkExplained(models_[unmarked_->model].Shape(),
+                  unmarked_->T_camera_object,
+                  &image_,
+                  parameters_.verification,
+                  &view_,
+                  &is_explained_);
+    unmarked_.reset();
+  }
   constexpr double kShare = 0.5;
   const auto count = std::ranges::count_if(
       cluster.pixels, [&](uint32_t pixel) { return is_explained_[pixel] != 0; });
@@ -270,13 +293,7 @@ void PoseEstimator::Report(size_t cluster) {
                                   hypothesis.verification.inlier_fraction(),
                                   hypothesis.verification.score()});
   }
-  if (explained_.empty()) return;
-  MarkExplained(models_[explained_.front().model].Shape(),
-                explained_.front().T_camera_object,
-                &image_,
-                parameters_.verification,
-                &view_,
-                &is_explained_);
+  if (!explained_.empty()) unmarked_ = explained_.front();
 }
 
 const PoseEstimator::Output& PoseEstimator::Estimate(const DepthImage& depth,
@@ -293,6 +310,7 @@ const PoseEstimator::Output& PoseEstimator::Estimate(const DepthImage& depth,
   output_.num_clusters = 0;
   // An object that hides part of itself may be in several clusters: one explains them all.
   is_explained_.assign(depth.depth.size(), 0);
+  unmarked_.reset();
   int explained_whole = -1;
   for (size_t cluster = 0; cluster < segmentation->clusters.size(); ++cluster) {
     const Cluster& segment = segmentation->clusters[cluster];

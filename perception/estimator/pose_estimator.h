@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -79,13 +80,13 @@ class PoseEstimator {
   enum class Effort { kCoarse, kFine, kLast };
   void Verify(
       size_t cluster, Effort effort, size_t first, StageTimes* times, Hypotheses* hypotheses);
-  [[nodiscard]] int Step(Effort effort) const;
+  [[nodiscard]] int Step(Effort effort, size_t cluster) const;
   double PixelCost(size_t cluster, int step);
   void Refine(Effort effort, StageTimes* times, Hypotheses* hypotheses);
   void Settle(size_t cluster, StageTimes* times, Hypotheses* hypotheses);
-  void KeepDistinct(size_t count, Hypotheses* hypotheses);
+  void KeepDistinct(size_t count, double angle, Hypotheses* hypotheses);
   void Report(size_t cluster);
-  [[nodiscard]] bool IsExplained(const Cluster& cluster) const;
+  [[nodiscard]] bool IsExplained(const Cluster& cluster);
 
   std::vector<KnownModel> models_;
   std::unique_ptr<PoseProposer> proposer_;
@@ -103,7 +104,8 @@ class PoseEstimator {
   Hypotheses proposed_;   // Of one cluster and model.
   Hypotheses explained_;  // Of one cluster.
   Hypotheses distinct_;
-  std::vector<uint8_t> is_explained_;  // By pixel.
+  std::vector<uint8_t> is_explained_;   // By pixel.
+  std::optional<Hypothesis> unmarked_;  // Found, but not in is_explained_ yet.
   Output output_;
 };
 

@@ -29,7 +29,8 @@ Matrix6 PoseCovariance(const MotionEquations& equations,
   const double shift = parameters.bias_at_1m * depth * depth;
   covariance.diagonal().head<2>().array() += parameters.bias_tilt * parameters.bias_tilt;
   covariance(5, 5) += shift * shift;
-  return covariance;
+  // Symmetric to the last bit, which messages ask for and rounding does not leave.
+  return 0.5 * (covariance + covariance.transpose());
 }
 
 }  // namespace vantage

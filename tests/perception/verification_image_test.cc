@@ -106,13 +106,14 @@ Verification Reference(const Scene& scene, const Pose& T, size_t cluster, int st
     shown[index] = 1;
     const auto measured = static_cast<double>(scene.depth.depth[index]);
     const auto rendered = static_cast<double>(pixel.depth);
-    if (!(measured > 0.0) || std::isinf(measured)) {
-      ++result.missing;
-      return;
-    }
     const Eigen::Vector3d ray = kCamera.Unproject(pixel.u, pixel.v, 1.0);
     const double along = static_cast<double>(pixel.plane_distance) / rendered;
     const double cosine = along / ray.norm();
+    if (!(measured > 0.0) || std::isinf(measured)) {
+      ++result.missing;
+      result.cost += parameters.missing_cost * cosine * cosine;
+      return;
+    }
     const double tangent = std::min(std::sqrt(1.0 - cosine * cosine) / cosine, 5.0);
     const double lateral = parameters.noise.Lateral(rendered, kCamera.fx) * tangent;
     const double sigma =
@@ -132,6 +133,7 @@ Verification Reference(const Scene& scene, const Pose& T, size_t cluster, int st
       ++result.inliers;
       squared += error * error * along * along;
       result.cost += 0.5 * error * error / (sigma * sigma);
+      if (label >= 0 && !own.Holds(label)) result.cost -= parameters.foreign_gain;
     } else if (error < 0.0 && label >= 0 && !own.Holds(label)) {
       ++result.occluded;
     } else if (is_near) {
