@@ -117,6 +117,7 @@ TEST(Refiner, CovarianceTellsTheErrorUnderIndependentNoise) {
     const View seen(kMesh, RandomView(rng), 0.002, rng);
     const Refined refined = RefineOnce(kDrawable, seen.T_camera_object, seen.image(), parameters);
     const Error error = ErrorOf(refined, seen.T_camera_object);
+    EXPECT_EQ(refined.covariance, refined.covariance.transpose()) << "as messages must be";
     squares.push_back(error.dot(refined.covariance.inverse() * error));
   }
   // Chi-square of 6 degrees of freedom: median 5.3, 95 % at 12.6. Outliers at creases widen it.
