@@ -15,6 +15,7 @@
 #include "perception/model/model_builder.h"
 #include "perception/model/model_generator.h"
 #include "perception/ppf/ppf_estimator.h"
+#include "perception/ppf/ppf_proposer.h"
 #include "tests/bench/table_frames.h"
 #include "tools/support/png_image.h"
 
@@ -131,13 +132,16 @@ void BM_MakeEstimator(benchmark::State& state) {
 }
 BENCHMARK(BM_MakeEstimator)->Unit(benchmark::kMillisecond);
 
-void BM_VotingOneClusterOneModel(benchmark::State& state) {
+void BM_ProposalsOneClusterOneModel(benchmark::State& state) {
   const ObjectModel& model = Models()[kBracket];
-  const PpfTable table = PpfTable::Train(model.samples, model.diameter, {}).value();
-  std::vector<PoseHypothesis> found;
+  std::vector<PpfProposer::Model> models;
+  models.push_back(
+      {PpfTable::Train(model.samples, model.diameter, {}).value(), model.center, model.symmetry});
+  PpfProposer proposer(std::move(models), {});
+  std::span<const PoseHypothesis> found;
   for (auto _ : state) {
     Rng rng(1);
-    found = VotePoses(table, Fixture().scene, model.center, {}, rng);
+    found = proposer.Propose(0, Fixture().scene, rng);
   }
   double best = 180.0;
   for (const PoseHypothesis& hypothesis : found) {
@@ -146,7 +150,7 @@ void BM_VotingOneClusterOneModel(benchmark::State& state) {
   }
   state.counters["best_deg"] = best;
 }
-BENCHMARK(BM_VotingOneClusterOneModel)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_ProposalsOneClusterOneModel)->Unit(benchmark::kMillisecond);
 
 void BM_RefinementCoarse(benchmark::State& state) {
   const ObjectModel& model = Models()[kBracket];

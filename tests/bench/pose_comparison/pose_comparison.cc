@@ -93,7 +93,14 @@ void Compare(const ObjectModel& model,
              const Options& options,
              std::ostream& out) {
   std::vector<std::unique_ptr<ComparedEstimator>> estimators;
-  for (const EstimatorKind& kind : kinds) estimators.push_back(kind.make(model));
+  std::string training;
+  for (const EstimatorKind& kind : kinds) {
+    StageClock clock;
+    clock.Begin("training");
+    estimators.push_back(kind.make(model));
+    clock.End();
+    training += Format(" %s %.0f", kind.name.c_str(), clock.total_ms());
+  }
   const std::vector<ObjectView> views = MakeObjectViews(model, options.views, options.seed);
   int used = 0;
   for (size_t i = 0; i < views.size(); ++i) {
@@ -110,10 +117,11 @@ void Compare(const ObjectModel& model,
       out << record.dump() << '\n';
     }
   }
-  std::printf("%-22s %d views, %d of them show too little of it\n",
+  std::printf("%-22s %d views, %d more show too little of it; training ms:%s\n",
               model.id.c_str(),
               used,
-              options.views - used);
+              options.views - used,
+              training.c_str());
   std::fflush(stdout);
 }
 
@@ -145,8 +153,8 @@ Result<void> Run(const Options& options) {
     }
     if (!model) return model.error();
     Compare(*model, *kinds, options, out);
+    out.flush();
   }
-  out.flush();
   if (!out) return Error{ErrorCode::kIo, options.output + " can't be written"};
   return {};
 }
