@@ -45,6 +45,7 @@ void ReadSegmentation(ConfigReader::Table table, SegmentationParameters* paramet
                                           : SegmentationParameters::Support::kNone;
   table.Read("plane_min_extent_m", &parameters->plane.min_extent, 0.0, 100.0);
   table.Read("plane_min_share", &parameters->plane.min_share, 0.0, 1.0);
+  table.Read("max_planes", &parameters->plane.max_planes, 1, 10);
   table.Read("min_depth_m", &parameters->min_depth, 0.05, 100.0);
   table.Read("max_depth_m", &parameters->max_depth, 0.05, 100.0);
   table.Read("min_height_m", &parameters->min_height, 0.0, 10.0);
@@ -52,6 +53,7 @@ void ReadSegmentation(ConfigReader::Table table, SegmentationParameters* paramet
   table.Read("hull_margin_m", &parameters->hull_margin, 0.0, 10.0);
   table.Read("largest_gap_m", &parameters->largest_gap, 0.001, 1.0);
   table.Read("min_points", &parameters->min_points, 1, 1000000);
+  table.Read("concave_angle_deg", &parameters->concave_angle_deg, 1.0, 180.0);
 }
 
 void ReadVerification(ConfigReader::Table table, VerificationParameters* parameters) {
@@ -60,6 +62,7 @@ void ReadVerification(ConfigReader::Table table, VerificationParameters* paramet
   table.Read("model_error_m", &parameters->model_error, 0.0, 0.1);
   table.Read("edge_px", &parameters->edge_px, 0, 20);
   table.Read("coarse_step_px", &parameters->coarse_step, 1, 32);
+  table.Read("missing_cost", &parameters->missing_cost, 0.0, 100.0);
 }
 
 void ReadRefinement(ConfigReader::Table table, RefinementParameters* parameters) {

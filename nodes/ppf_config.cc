@@ -16,6 +16,7 @@ void ReadVoting(ConfigReader::Table& ppf, PpfEstimatorParameters* parameters) {
   ppf.Read("max_references", &voting.max_references, 1, 10000);
   ppf.Read("turn_bins", &voting.turn_bins, 4, 360);
   ppf.Read("spread", &voting.spread, 0.0, 0.5);
+  ppf.Read("votes_per_reference", &voting.votes_per_reference, 1, 30000);
   ppf.Read("peaks_per_reference", &voting.peaks_per_reference, 1, 100);
   ppf.Read("max_hypotheses", &voting.max_hypotheses, 1, 1000);
 }

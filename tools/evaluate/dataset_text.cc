@@ -78,7 +78,7 @@ std::string Field(double value) {
 
 std::string Field(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
+  std::string quoted(1, '"');
   for (const char c : text) {
     if (c == '"') quoted += '"';
     quoted += c;

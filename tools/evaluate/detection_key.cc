@@ -164,6 +164,7 @@ void AddVoting(const PpfVotingParameters& parameters, KeyText* key) {
                max_references,
                turn_bins,
                spread,
+               votes_per_reference,
                peaks_per_reference,
                cluster_distance,
                cluster_angle_deg,
@@ -174,6 +175,7 @@ void AddVoting(const PpfVotingParameters& parameters, KeyText* key) {
             max_references,
             turn_bins,
             spread,
+            votes_per_reference,
             peaks_per_reference,
             cluster_distance,
             cluster_angle_deg,
@@ -181,8 +183,15 @@ void AddVoting(const PpfVotingParameters& parameters, KeyText* key) {
 }
 
 void AddVerification(const VerificationParameters& parameters, KeyText* key) {
-  const auto& [inlier_sigmas, model_error, edge_px, coarse_step, min_score, outlier_cost, noise] =
-      parameters;
+  const auto& [inlier_sigmas,
+               model_error,
+               edge_px,
+               coarse_step,
+               min_score,
+               outlier_cost,
+               missing_cost,
+               foreign_gain,
+               noise] = parameters;
   key->Line("verification",
             inlier_sigmas,
             model_error,
@@ -190,6 +199,8 @@ void AddVerification(const VerificationParameters& parameters, KeyText* key) {
             coarse_step,
             min_score,
             outlier_cost,
+            missing_cost,
+            foreign_gain,
             noise);
 }
 
@@ -198,22 +209,32 @@ void AddRefinement(const RefinementParameters& parameters, KeyText* key) {
                coarse_reach,
                coarse_reach_end,
                fine_iterations,
+               fine_points,
                fine_reach,
                final_iterations,
+               final_points,
                tukey_sigmas,
                model_error,
                converged,
+               correlated_px,
+               bias_at_1m,
+               bias_tilt,
                noise] = parameters;
   key->Line("refinement",
             coarse_iterations,
             coarse_reach,
             coarse_reach_end,
             fine_iterations,
+            fine_points,
             fine_reach,
             final_iterations,
+            final_points,
             tukey_sigmas,
             model_error,
             converged,
+            correlated_px,
+            bias_at_1m,
+            bias_tilt,
             noise);
 }
 
