@@ -4,6 +4,7 @@
 #include <pcl/features/normal_3d.h>
 #include <pcl/filters/voxel_grid.h>
 #include <pcl/registration/icp.h>
+#include <pcl/registration/transformation_estimation_point_to_plane_lls.h>
 #include <pcl/search/kdtree.h>
 
 #include "perception/model/surface_samples.h"
@@ -20,6 +21,24 @@ PclPoints::Ptr Downsample(const PclPoints::Ptr& cloud, double leaf) {
   grid.filter(*out);
   return out;
 }
+
+// Where the equations have no solution the library returns NaN, at which its search then ends the
+// program: the points stay where they are instead.
+class FinitePointToPlane
+    : public pcl::registration::TransformationEstimationPointToPlaneLLS<pcl::PointNormal,
+                                                                        pcl::PointNormal> {
+ public:
+  using Base = pcl::registration::TransformationEstimationPointToPlaneLLS<pcl::PointNormal,
+                                                                          pcl::PointNormal>;
+  using Base::estimateRigidTransformation;
+  void estimateRigidTransformation(const PclSurface& source,
+                                   const PclSurface& target,
+                                   const pcl::Correspondences& correspondences,
+                                   Matrix4& motion) const override {
+    Base::estimateRigidTransformation(source, target, correspondences, motion);
+    if (!motion.allFinite()) motion.setIdentity();
+  }
+};
 
 }  // namespace
 
@@ -78,6 +97,7 @@ Pose RefineWithIcp(const PclSurface::Ptr& scene,
   constexpr int kIterations = 50;
   constexpr double kTransformationEpsilon = 1e-8;
   pcl::IterativeClosestPointWithNormals<pcl::PointNormal, pcl::PointNormal> icp;
+  icp.setTransformationEstimation(pcl::make_shared<FinitePointToPlane>());
   icp.setInputSource(scene);
   icp.setInputTarget(model);
   icp.setMaxCorrespondenceDistance(kReach * diameter);
