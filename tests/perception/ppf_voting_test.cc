@@ -114,7 +114,8 @@ TEST(PpfVoting, CountsEqualBruteForceOverAllModelPairs) {
         voting.Accumulate(table, lanes, reference, parameters);
         const std::vector<int> expected = BruteForceVotes(table, scene, reference, parameters);
         EXPECT_EQ(Counts(voting, table.points().size(), static_cast<size_t>(turn_bins)), expected);
-        EXPECT_GT(*std::max_element(expected.begin(), expected.end()), 0);
+        const bool is_too_far = reference == 30;
+        EXPECT_EQ(*std::max_element(expected.begin(), expected.end()) == 0, is_too_far);
       }
     }
   }

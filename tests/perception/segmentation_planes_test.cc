@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <set>
 
 #include "perception/segmentation/segmentation.h"
 #include "tests/perception/test_scenes.h"
@@ -74,6 +76,92 @@ TEST(SegmentationPlanes, ObjectsStandOnEachOfTwoTables) {
   };
   EXPECT_EQ(std::min(id(0), id(1)), 2U);
   EXPECT_EQ(std::max(id(0), id(1)), 3U);
+}
+
+// The mesh that most of a cluster's pixels show.
+uint32_t MeshOf(const Scene& scene, const Cluster& cluster) {
+  std::array<size_t, 32> counts{};
+  for (const uint32_t pixel : cluster.pixels) ++counts.at(scene.rasterizer.mesh_ids()[pixel]);
+  return static_cast<uint32_t>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
+std::set<uint32_t> MeshesOfWholes(const Scene& scene, const Segmentation& result) {
+  std::set<uint32_t> meshes;
+  for (const Cluster& cluster : result.clusters) {
+    if (cluster.parent >= 0) continue;
+    EXPECT_TRUE(meshes.insert(MeshOf(scene, cluster)).second);
+  }
+  return meshes;
+}
+
+TEST(SegmentationPlanes, FlatTopsAtOneHeightAreNone) {
+  // Their tops are on one plane, of large extent and of most points that are not the table's.
+  for (int view = 0; view < 12; ++view) {
+    const double azimuth = 0.5 * view;
+    const double elevation = (30.0 + 10.0 * (view % 4)) * kDegree;
+    Scene scene({0.7 * std::cos(elevation) * std::cos(azimuth),
+                 0.7 * std::cos(elevation) * std::sin(azimuth),
+                 0.7 * std::sin(elevation)},
+                {0.0, 0.0, 0.0});
+    scene.Draw(MakeTable(0.7F), At(0.0, 0.0, 0.0), 0);
+    std::set<uint32_t> boxes;
+    for (int i = 0; i < 6; ++i) {
+      const auto id = static_cast<uint32_t>(i + 1);
+      scene.Draw(MakeBox({-0.05F, -0.05F, 0.0F}, {0.05F, 0.05F, 0.05F}),
+                 At(0.16 * (i % 3 - 1), 0.18 * (i / 3) - 0.09, 0.0),
+                 id);
+      boxes.insert(id);
+    }
+    Rng rng(1);
+    const Segmentation result = Segment(scene.Measure(), kCamera, {}, rng);
+    EXPECT_EQ(result.planes.size(), 1U) << view;
+    EXPECT_EQ(MeshesOfWholes(scene, result), boxes) << view;
+  }
+}
+
+TEST(SegmentationPlanes, BoardOverTableIsOneBesideObjectsOfItsHeight) {
+  Scene scene({0.9, 0.1, 0.8}, {0.0, 0.0, 0.1});
+  scene.Draw(MakeTable(0.8F), At(0.0, 0.0, 0.0), 0);
+  scene.Draw(MakeBox({-0.15F, -0.35F, -0.02F}, {0.15F, 0.35F, 0.0F}), At(-0.3, 0.0, 0.2), 1);
+  const TriangleMesh box = MakeBox({-0.04F, -0.04F, 0.0F}, {0.04F, 0.04F, 0.08F});
+  scene.Draw(box, At(0.15, -0.2, 0.0), 2);
+  scene.Draw(box, At(0.15, 0.2, 0.0), 3);
+  scene.Draw(box, At(-0.3, 0.1, 0.2), 4);
+  // Tall ones, of which one hides some of the board.
+  scene.Draw(MakeBox({-0.03F, -0.03F, 0.0F}, {0.03F, 0.03F, 0.2F}), At(0.2, 0.03, 0.0), 5);
+  Rng rng(1);
+  const Segmentation result = Segment(scene.Measure(), kCamera, {}, rng);
+  ASSERT_EQ(result.planes.size(), 2U);
+  EXPECT_TRUE(result.planes[1].carries);
+  EXPECT_NEAR(result.planes[1].offset - result.planes[0].offset, 0.2, 0.01);
+  const std::set<uint32_t> meshes = MeshesOfWholes(scene, result);
+  for (const uint32_t object : {2U, 3U, 4U, 5U}) EXPECT_TRUE(meshes.contains(object)) << object;
+}
+
+TEST(SegmentationPlanes, WallIsFoundAroundWhatHidesIt) {
+  Scene scene({0.8, 0.0, 0.35}, {0.0, 0.0, 0.15});
+  scene.Draw(MakeTable(0.8F), At(0.0, 0.0, 0.0), 0);
+  scene.Draw(MakeWall(), At(-0.38, 0.0, 0.0), 1);
+  scene.Draw(MakeBox({-0.03F, -0.03F, 0.0F}, {0.03F, 0.03F, 0.3F}), At(-0.1, 0.0, 0.0), 2);
+  scene.Draw(MakeBox({-0.03F, -0.03F, 0.0F}, {0.03F, 0.03F, 0.05F}), At(0.1, 0.15, 0.0), 3);
+  Rng rng(1);
+  const Segmentation result = Segment(scene.Measure(), kCamera, {}, rng);
+  ASSERT_EQ(result.planes.size(), 2U);
+  EXPECT_EQ(MeshesOfWholes(scene, result), (std::set<uint32_t>{2, 3}));
+}
+
+TEST(SegmentationPlanes, WallLargerThanTheTableCarriesNothing) {
+  Scene scene({0.9, 0.0, 0.3}, {0.0, 0.0, 0.2});
+  scene.Draw(MakeTable(0.6F), At(0.0, 0.0, 0.0), 0);
+  scene.Draw(MakeWall(), At(-0.3, 0.0, 0.0), 1);
+  scene.Draw(MakeBox({-0.04F, -0.04F, 0.0F}, {0.04F, 0.04F, 0.08F}), At(0.0, -0.1, 0.0), 2);
+  scene.Draw(MakeBox({-0.04F, -0.04F, 0.0F}, {0.04F, 0.04F, 0.08F}), At(0.0, 0.1, 0.0), 3);
+  Rng rng(1);
+  const Segmentation result = Segment(scene.Measure(), kCamera, {}, rng);
+  ASSERT_EQ(result.planes.size(), 2U);
+  EXPECT_FALSE(result.planes[0].carries);  // The one of most points is the wall.
+  EXPECT_TRUE(result.planes[1].carries);
+  EXPECT_EQ(MeshesOfWholes(scene, result), (std::set<uint32_t>{2, 3}));
 }
 
 TEST(SegmentationPlanes, PlanesAloneHaveNoObjects) {

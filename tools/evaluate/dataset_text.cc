@@ -78,7 +78,7 @@ std::string Field(double value) {
 
 std::string Field(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted(1, '"');
+  std::string quoted = "\"";
   for (const char c : text) {
     if (c == '"') quoted += '"';
     quoted += c;
@@ -231,8 +231,11 @@ std::string DatasetCsv(const DatasetResults& results) {
   for (const DatasetOutcome& outcome : results.outcomes) {
     const auto columns = Columns(results, outcome);
     const auto append = [&csv, &columns](auto field) {
-      for (size_t i = 0; i < columns.size(); ++i) csv += (i == 0 ? "" : ",") + field(columns[i]);
-      csv += "\n";
+      for (size_t i = 0; i < columns.size(); ++i) {
+        if (i > 0) csv += ',';
+        csv += field(columns[i]);
+      }
+      csv += '\n';
     };
     if (csv.empty()) append([](const auto& column) { return std::string(column.first); });
     append([](const auto& column) { return column.second; });
