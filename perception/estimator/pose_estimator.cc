@@ -209,10 +209,11 @@ void PoseEstimator::Propose(size_t cluster,
 void PoseEstimator::Refine(Effort effort, StageTimes* times, Hypotheses* hypotheses) {
   const StageTimer timer(times, &StageTimes::refinement);
   RefinementParameters refinement = parameters_.refinement;
-  if (effort == Effort::kFine) refinement.final_points = refinement.fine_points;
+  if (effort == Effort::kFine) refinement.final_iterations = 0;
+  if (effort == Effort::kLast) refinement.fine_iterations = 0;
   for (Hypothesis& hypothesis : *hypotheses) {
     const KnownModel& known = models_[hypothesis.model];
-    const Refined refined = refiner_.Refine(known.CoarseShape(),
+    const Refined refined = refiner_.Refine(known.Shape(),
                                             known.Shape(),
                                             hypothesis.T_camera_object,
                                             image_.image(),
@@ -223,14 +224,14 @@ void PoseEstimator::Refine(Effort effort, StageTimes* times, Hypotheses* hypothe
   }
 }
 
-// Of hypotheses sorted after the coarse verification the best after refinement on pixels: where
-// several may be it, first of all on few pixels, then of the best and its rivals on all.
+// Of hypotheses sorted after the coarse verification the best after refinement on pixels: of all
+// that may be it on few pixels, then of the best and its rivals on all.
 void PoseEstimator::Settle(size_t cluster, StageTimes* times, Hypotheses* hypotheses) {
   const auto count = static_cast<size_t>(parameters_.hypotheses_per_cluster);
   Truncate(parameters_.fine_hypotheses, hypotheses);
   DropWorse(kUnlikely * PixelCost(cluster, Step(Effort::kCoarse, cluster)), hypotheses);
+  Refine(Effort::kFine, times, hypotheses);
   if (hypotheses->size() > count) {
-    Refine(Effort::kFine, times, hypotheses);
     Verify(cluster, Effort::kFine, 0, times, hypotheses);
     KeepDistinct(count + 1, kSameAngle, hypotheses);
     DropWorse(kRival * PixelCost(cluster, Step(Effort::kFine, cluster)), hypotheses);

@@ -211,8 +211,10 @@ Refined Refiner::Refine(const ModelShape& first_model,
     Draw(first_model, camera, parameters.fine_points, view);
     if (!Iterate(first_model, camera, parameters.fine_iterations, reach, parameters)) return start;
   }
-  Draw(model, camera, parameters.final_points, view);
-  if (!Iterate(model, camera, parameters.final_iterations, 0.0, parameters)) return start;
+  if (parameters.final_iterations > 0 || parameters.fine_iterations == 0) {
+    Draw(model, camera, parameters.final_points, view);
+    if (!Iterate(model, camera, parameters.final_iterations, 0.0, parameters)) return start;
+  }
   const MotionEquations equations = Equations(camera, 0.0, parameters);
   if (equations.pairs < kFewestPairs) return start;
   return {T_,
