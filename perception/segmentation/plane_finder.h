@@ -2,12 +2,14 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "common/camera_model.h"
 #include "common/depth_image.h"
 #include "common/rng.h"
 #include "perception/depth_noise.h"
+#include "perception/segmentation/plane_patch.h"
 #include "perception/segmentation/support_plane.h"
 
 namespace vantage {
@@ -20,10 +22,11 @@ class PlaneFinder {
   PlaneFinder(const SupportPlaneParameters& parameters, const DepthNoise& noise)
       : parameters_(parameters), noise_(noise) {}
 
-  /// RANSAC, then least squares on the plane's points, then the same without them. The first plane
-  /// carries objects, so do those that are parallel to it (a shelf's boards); others are walls.
-  /// Past the first, a plane must be of `min_extent` in its narrowest direction. Deterministic for
-  /// a state of `rng`.
+  /// RANSAC, then least squares on the plane's points, then the same without them. Past the first,
+  /// a plane is one connected patch that hardly any line of sight goes through (level parts of
+  /// separate objects are none), of `min_extent` in its narrowest direction. The plane on which
+  /// most stands carries objects, the first when in doubt; so do those that are parallel to it (a
+  /// shelf's boards); others are walls. Deterministic for a state of `rng`.
   /// @param min_depth, max_depth m; other pixels are left out.
   /// @param planes whose hulls are reused.
   void Find(const DepthImage& depth,
@@ -38,23 +41,39 @@ class PlaneFinder {
   struct Points {
     std::vector<float> u, v, rho;  // px, px, 1/m
     std::vector<float> tolerance;  // 1/m
+    std::vector<uint32_t> cell;    // Of the grid.
     [[nodiscard]] size_t size() const { return u.size(); }
     void Clear();
-    void Add(float at_u, float at_v, float at_rho, float at_tolerance);
+    void Add(const Points& from, size_t i);
   };
 
   void Collect(const DepthImage& depth, double min_depth, double max_depth);
   bool FindOne(Rng& rng, Eigen::Vector3d* affine);
   bool BestOfRandom(Rng& rng, Eigen::Vector3d* affine);
-  bool FitToInliers(Eigen::Vector3d* affine) const;
+  static bool Fit(const Points& points, std::span<const uint8_t> is_used, Eigen::Vector3d* affine);
   void MarkInliers(const Eigen::Vector3d& affine);
+  // Make a plane at the end of spare_; false when it isn't a large one.
+  bool TakeFirst(const CameraModel& camera, const Eigen::Vector3d& affine);
+  bool TakeLater(const CameraModel& camera, Eigen::Vector3d affine);
+  void FindPatch(const Eigen::Vector3d& affine);
   void MakePlane(const CameraModel& camera, const Eigen::Vector3d& affine, SupportPlane* plane);
-  void RemoveInliers();
+  void RemoveInliers(bool is_taken);
+  void ChooseSupport(const CameraModel& camera, std::span<SupportPlane> planes) const;
+  [[nodiscard]] size_t CountStanding(const CameraModel& camera, const SupportPlane& plane) const;
 
   SupportPlaneParameters parameters_;
   DepthNoise noise_;
-  Points points_;
-  Points few_;  // Of points_, on which hypotheses are counted.
+  // The grid, row by row: every point that is measured.
+  Points cells_;
+  int grid_width_ = 0;
+  std::vector<uint8_t> is_free_;    // In range, and on no plane so far.
+  std::vector<PlaneSight> sights_;  // Of a plane.
+  PlanePatch patch_;
+  std::vector<uint8_t> members_;  // Cells of a plane.
+
+  Points points_;        // In range, and on no plane that was tried.
+  Points few_;           // Of points_, on which hypotheses are counted.
+  double fewest_ = 0.0;  // Points of the first plane.
   std::vector<uint8_t> is_inlier_;
   size_t num_inliers_ = 0;
   std::vector<Eigen::Vector2d> hull_;
