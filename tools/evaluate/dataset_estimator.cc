@@ -8,6 +8,7 @@
 #include "common/check.h"
 #include "common/format.h"
 #include "perception/ppf/ppf_estimator.h"
+#include "perception/shot/shot_estimator.h"
 
 namespace vantage {
 namespace {
@@ -16,7 +17,21 @@ double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-constexpr std::array<const char*, 1> kNames = {"ppf"};
+constexpr std::array<const char*, 2> kNames = {"ppf", "shot"};
+
+Result<std::unique_ptr<PoseEstimator>> Create(const std::string& name,
+                                              std::vector<ObjectModel> models,
+                                              SegmentationParameters::Support support) {
+  if (name == "shot") {
+    ShotEstimatorParameters parameters;
+    parameters.estimation.segmentation.support = support;
+    return CreateShotEstimator(std::move(models), parameters);
+  }
+  VANTAGE_CHECK(name == "ppf", name);
+  PpfEstimatorParameters parameters;
+  parameters.estimation.segmentation.support = support;
+  return CreatePpfEstimator(std::move(models), parameters);
+}
 
 }  // namespace
 
@@ -34,10 +49,7 @@ Result<std::vector<std::string>> FindEstimators(const std::string& name) {
 Result<DatasetEstimator> MakeEstimator(const std::string& name,
                                        std::vector<ObjectModel> models,
                                        SegmentationParameters::Support support) {
-  VANTAGE_CHECK(name == kNames[0], name);
-  PpfEstimatorParameters parameters;
-  parameters.estimation.segmentation.support = support;
-  Result<std::unique_ptr<PoseEstimator>> made = CreatePpfEstimator(std::move(models), parameters);
+  Result<std::unique_ptr<PoseEstimator>> made = Create(name, std::move(models), support);
   if (!made) return made.error();
   // A std::function is copied, an estimator is not.
   const std::shared_ptr<PoseEstimator> estimator = std::move(made).value();
