@@ -16,7 +16,7 @@ constexpr size_t kFewestPoints = 50;
 constexpr size_t kFewestInliers = 20;
 constexpr size_t kCountedPoints = 1000;
 constexpr double kParallel = 10.0 * kDegree;
-constexpr double kLaterShare = 0.5;    // Of the share of points that the first plane needs.
+constexpr double kLaterShare = 0.25;   // Of the share of points that the first plane needs.
 constexpr double kLargestHoles = 0.5;  // Of a later plane's cells.
 constexpr int kMostRejected = 3;       // Later planes; then no other is looked for.
 

@@ -34,7 +34,7 @@ struct SupportPlaneParameters {
   int iterations = 300;        ///< at most, of RANSAC (Fischler, Bolles 1981), of each plane
   double inlier_sigmas = 3.0;  ///< a point within this many sigmas of noise belongs to the plane
   double min_extent = 0.25;    ///< m; a plane of smaller extent is a face of an object
-  double min_share = 0.2;      ///< [0, 1] of all points; half of it is enough past the first plane
+  double min_share = 0.2;      ///< [0, 1] of all points; a quarter of it past the first plane
   int max_planes = 3;          ///< that are looked for
   Result<void> Validate() const;
 };
