@@ -58,6 +58,7 @@ void ReadSegmentation(ConfigReader::Table table, SegmentationParameters* paramet
 
 void ReadVerification(ConfigReader::Table table, VerificationParameters* parameters) {
   table.Read("min_score", &parameters->min_score, 0.0, 1.0);
+  table.Read("min_visible", &parameters->min_visible, 0.0, 1.0);
   table.Read("inlier_sigmas", &parameters->inlier_sigmas, 0.1, 100.0);
   table.Read("model_error_m", &parameters->model_error, 0.0, 0.1);
   table.Read("edge_px", &parameters->edge_px, 0, 20);

@@ -260,8 +260,9 @@ void PoseEstimator::Explain(size_t cluster, Rng& rng, StageTimes* times) {
   SortByCost(&explained_);
   Settle(cluster, times, &explained_);
   std::erase_if(explained_, [this](const Hypothesis& hypothesis) {
-    return hypothesis.verification.inliers == 0 ||
-           hypothesis.verification.score() < parameters_.verification.min_score;
+    const Verification& verification = hypothesis.verification;
+    return verification.inliers == 0 || verification.score() < parameters_.verification.min_score ||
+           verification.visible_fraction() < parameters_.verification.min_visible;
   });
 }
 

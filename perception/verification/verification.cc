@@ -115,16 +115,19 @@ Result<void> VerificationParameters::Validate() const {
                         edge_px,
                         coarse_step)};
   }
-  if (!(min_score >= 0.0 && min_score <= 1.0) || !(outlier_cost > 0.0) || !(missing_cost >= 0.0) ||
-      !(foreign_gain >= 0.0)) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        Format("verification: min_score = %g (expected 0 to 1), outlier_cost = %g "
-               "(expected above 0), missing_cost = %g and foreign_gain = %g (expected 0 or more)",
-               min_score,
-               outlier_cost,
-               missing_cost,
-               foreign_gain)};
+  if (!(min_score >= 0.0 && min_score <= 1.0) || !(min_visible >= 0.0 && min_visible <= 1.0)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("verification: min_score = %g and min_visible = %g, expected 0 to 1",
+                        min_score,
+                        min_visible)};
+  }
+  if (!(outlier_cost > 0.0) || !(missing_cost >= 0.0) || !(foreign_gain >= 0.0)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("verification: outlier_cost = %g (expected above 0), missing_cost = %g and "
+                        "foreign_gain = %g (expected 0 or more)",
+                        outlier_cost,
+                        missing_cost,
+                        foreign_gain)};
   }
   return {};
 }

@@ -18,7 +18,10 @@ struct VerificationParameters {
   int edge_px = 2;              ///< px by which the silhouette may be off, at full resolution
   int coarse_step = 4;          ///< px; every so many are compared to rank hypotheses
   double min_score = 0.8;       ///< [0, 1]; hypotheses of less are no detection
-  double outlier_cost = 8.0;    ///< nats, of a pixel that contradicts the hypothesis
+  /// [0, 1], likewise of Verification::visible_fraction(): any flat patch is a box of which the
+  /// rest is hidden.
+  double min_visible = 0.5;
+  double outlier_cost = 8.0;  ///< nats, of a pixel that contradicts the hypothesis
   /// nats, of a pixel of the model, seen head on, where nothing was measured: by the squared cosine
   /// of the slant. Shadows take some of every object, but a handle of which nothing is measured is
   /// rather elsewhere.
@@ -46,6 +49,10 @@ struct Verification {
   /// Of the visible model pixels those confirmed, [0, 1].
   [[nodiscard]] double inlier_fraction() const {
     return Ratio(inliers, inliers + seen_through + in_front);
+  }
+  /// Of the model's pixels those measured on its surface, whatever hides the others, [0, 1].
+  [[nodiscard]] double visible_fraction() const {
+    return Ratio(inliers, inliers + occluded + seen_through + in_front + missing + edge);
   }
   /// Inliers of all pixels that speak for or against, [0, 1].
   [[nodiscard]] double score() const {
