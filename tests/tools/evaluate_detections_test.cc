@@ -36,8 +36,12 @@ DetectionSequence RandomSequence(int index, Rng& rng) {
     DetectedView detected{RandomPose(rng), {}};
     const int count = (index + view) % 3;
     for (int i = 0; i < count; ++i) {
-      detected.detections.push_back(
-          {"thing", 7, RandomPose(rng), 1e-7 * rng.Uniform(), rng.Uniform(), rng.Uniform()});
+      detected.detections.push_back({.model_id = "thing",
+                                     .cluster = 7,
+                                     .T_camera_object = RandomPose(rng),
+                                     .mse = 1e-7 * rng.Uniform(),
+                                     .inlier_fraction = rng.Uniform(),
+                                     .verification_score = rng.Uniform()});
     }
     sequence.views.push_back(detected);
   }
@@ -289,14 +293,14 @@ TEST(DetectionKey, ChangesWithAllThatDetectionsDependOn) {
       [](auto* p) { p->camera.fx = std::nextafter(p->camera.fx, 1e3); },
       [](auto* p) { p->sensor.bias = false; },
       [](auto* p) { p->sensor.axial_sigma = 0.05; },
-      [](auto* p) { p->estimator.hypotheses_per_cluster = 1; },
+      [](auto* p) { p->estimator.estimation.hypotheses_per_cluster = 1; },
       [](auto* p) { p->estimator.table.angle_step_deg = 10.0; },
-      [](auto* p) { p->estimator.segmentation.plane.min_share = 0.1; },
-      [](auto* p) { p->estimator.segmentation.noise.lateral_px = 0.7; },
-      [](auto* p) { p->estimator.normals.radius = 0.006; },
+      [](auto* p) { p->estimator.estimation.segmentation.plane.min_share = 0.1; },
+      [](auto* p) { p->estimator.estimation.segmentation.noise.lateral_px = 0.7; },
+      [](auto* p) { p->estimator.estimation.normals.radius = 0.006; },
       [](auto* p) { p->estimator.voting.spread = 0.2; },
-      [](auto* p) { p->estimator.verification.min_score = 0.7; },
-      [](auto* p) { p->estimator.refinement.noise.axial_base = 0.001; },
+      [](auto* p) { p->estimator.estimation.verification.min_score = 0.7; },
+      [](auto* p) { p->estimator.estimation.refinement.noise.axial_base = 0.001; },
   };
   for (const auto& change : changes) {
     SimulationParameters parameters;
