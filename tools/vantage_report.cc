@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "common/format.h"
@@ -14,6 +13,7 @@
 #include "tools/support/report_pictures.h"
 #include "tools/support/report_setup.h"
 #include "tools/support/run_metrics.h"
+#include "tools/support/whole_file.h"
 
 namespace vantage {
 namespace {
@@ -32,24 +32,6 @@ struct Arguments {
   bool better_than_median = false;
   bool check = false;
 };
-
-// Whole or not at all.
-Result<void> WriteText(const fs::path& file, const std::string& text) {
-  const fs::path temporary = file.string() + ".part";
-  std::error_code error;
-  {
-    std::ofstream stream(temporary, std::ios::binary);
-    stream << text;
-    stream.close();
-    if (!stream) {
-      fs::remove(temporary, error);
-      return Error{ErrorCode::kIo, Format("%s can't be written", file.c_str())};
-    }
-  }
-  fs::rename(temporary, file, error);
-  if (error) return Error{ErrorCode::kIo, Format("%s can't be written", file.c_str())};
-  return {};
-}
 
 Result<void> WriteFiles(const Arguments& arguments,
                         const RecordedRun& run,
@@ -70,16 +52,16 @@ Result<void> WriteFiles(const Arguments& arguments,
       !written) {
     return written;
   }
-  if (Result<void> written = WriteText(folder / "report_errors.csv", ErrorsCsv(metrics));
+  if (Result<void> written = WriteWholeFile(folder / "report_errors.csv", ErrorsCsv(metrics));
       !written) {
     return written;
   }
   if (Result<void> written =
-          WriteText(folder / "report.json", ReportJson(metrics, arguments.limits));
+          WriteWholeFile(folder / "report.json", ReportJson(metrics, arguments.limits));
       !written) {
     return written;
   }
-  return WriteText(folder / "report.html", *page);
+  return WriteWholeFile(folder / "report.html", *page);
 }
 
 /// @return whether the run is within the limits.

@@ -136,8 +136,8 @@ double PoseEstimator::PixelCost(size_t cluster, int step) {
          static_cast<double>(image_.ClusterSize(step, cluster));
 }
 
-// The first `count` that differ by `angle` (rad), or as a point at the diameter's end would move by
-// it.
+// The first `count` that differ: by `angle` (rad), or in place by as much as `angle` about the center
+// moves the model's ends.
 void PoseEstimator::KeepDistinct(size_t count, double angle, Hypotheses* hypotheses) {
   distinct_.clear();
   for (const Hypothesis& hypothesis : *hypotheses) {
@@ -238,6 +238,8 @@ void PoseEstimator::Settle(size_t cluster, StageTimes* times, Hypotheses* hypoth
   }
   Refine(Effort::kLast, times, hypotheses);
   Verify(cluster, Effort::kLast, 0, times, hypotheses);
+  // Of what was given up only the cost is known.
+  DropWorse(kHopeless * PixelCost(cluster, Step(Effort::kLast, cluster)), hypotheses);
   KeepDistinct(count, kSameAngle, hypotheses);
 }
 

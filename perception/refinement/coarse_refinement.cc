@@ -84,28 +84,6 @@ VANTAGE_SIMD void Accumulate(const NearestGrid& grid,
   }
 }
 
-VANTAGE_SIMD int CountAgreeing(const NearestGrid& grid,
-                               const Placement& T_object_camera,
-                               std::span<const ScenePoints::Block> blocks,
-                               float tolerance) {
-  // A point beside the model is near the plane of the model's nearest point too.
-  constexpr float kBeside = 9.0F;
-  const float squared_tolerance = tolerance * tolerance;
-  I8 count{};
-  for (const ScenePoints::Block& block : blocks) {
-    const Match match(grid, T_object_camera, block);
-    F8 squared;
-    F8 distance;
-    Dot(match.offset, match.offset, &squared);
-    Dot(match.offset, match.target_normal, &distance);
-    count -= (match.likeness > kLikeNormals) & (distance * distance <= squared_tolerance) &
-             (squared <= kBeside * squared_tolerance);
-  }
-  int total = 0;
-  for (int i = 0; i < kLanes; ++i) total += count[i];
-  return total;
-}
-
 // Between the parameters' reaches in geometric progression, of the diameter.
 double Reach(const RefinementParameters& parameters, int iteration) {
   if (parameters.coarse_iterations < 2) return parameters.coarse_reach_end;
@@ -148,16 +126,6 @@ CoarselyRefined RefineCoarse(const NearestGrid& grid,
   }
   refined.T_camera_object = T_object_camera.inverse();
   return refined;
-}
-
-double PointAgreement(const NearestGrid& grid,
-                      const Pose& T_camera_object,
-                      const ScenePoints& points,
-                      double tolerance) {
-  if (points.size() == 0) return 0.0;
-  const int agreeing = CountAgreeing(
-      grid, Placement(T_camera_object.inverse()), points.blocks(), static_cast<float>(tolerance));
-  return static_cast<double>(agreeing) / static_cast<double>(points.size());
 }
 
 }  // namespace vantage

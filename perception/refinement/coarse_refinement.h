@@ -23,12 +23,4 @@ CoarselyRefined RefineCoarse(const NearestGrid& grid,
                              const ScenePoints& points,
                              const RefinementParameters& parameters);
 
-/// Of scene points those that lie on the model with like normals, [0, 1]: ranks poses in a
-/// microsecond.
-/// @param tolerance m, to the nearest point's tangent plane.
-double PointAgreement(const NearestGrid& grid,
-                      const Pose& T_camera_object,
-                      const ScenePoints& points,
-                      double tolerance);
-
 }  // namespace vantage

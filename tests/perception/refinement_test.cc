@@ -169,38 +169,6 @@ TEST(ScenePoints, LeaveOutWhatIsNotFinite) {
   EXPECT_GT(refined.pairs, 0);
 }
 
-TEST(PointAgreement, CountsWhatABruteForceCounts) {
-  Rng rng(10);
-  const NearestGrid grid = MakeGrid();
-  const double tolerance = 0.02 * kMesh.Diameter();
-  for (int trial = 0; trial < 20; ++trial) {
-    const Scene scene(rng);
-    const Pose T = Disturbed(scene.T_camera_object, 5.0 * kDegree, 0.003, rng);
-    const Eigen::Isometry3f T_inverse(T.inverse().matrix().cast<float>());
-    int agreeing = 0;
-    for (const SurfacePoint& point : scene.surface) {
-      const Eigen::Vector3f place = T_inverse * point.position;
-      const uint32_t index = grid.Find(place);
-      if (index == NearestGrid::kNone) continue;
-      const SurfacePoint& nearest = grid.points()[index];
-      const Eigen::Vector3f offset = nearest.position - place;
-      const float like = nearest.normal.dot(T_inverse.linear() * point.normal);
-      const auto limit = static_cast<float>(tolerance);
-      agreeing += like > 0.7F && std::abs(offset.dot(nearest.normal)) <= limit &&
-                          offset.norm() <= 3.0F * limit
-                      ? 1
-                      : 0;
-    }
-    // A point on the limit may fall on either side of it.
-    EXPECT_NEAR(PointAgreement(grid, T, scene.points, tolerance) *
-                    static_cast<double>(scene.surface.size()),
-                agreeing,
-                2.0);
-    EXPECT_GT(PointAgreement(grid, scene.T_camera_object, scene.points, tolerance), 0.75);
-  }
-  EXPECT_EQ(PointAgreement(grid, Pose::Identity(), ScenePoints(), tolerance), 0.0);
-}
-
 TEST(RefinementParameters, RefuseValuesOutOfRange) {
   RefinementParameters parameters;
   EXPECT_TRUE(parameters.Validate().ok());

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "common/format.h"
-#include "perception/model/file_bytes.h"
 #include "tools/evaluate/dataset_text.h"
 #include "tools/evaluate/report_html.h"
 #include "tools/support/color.h"
 #include "tools/support/depth_view.h"
 #include "tools/support/html.h"
 #include "tools/support/png_image.h"
+#include "tools/support/whole_file.h"
 
 namespace vantage {
 namespace {
@@ -137,18 +137,6 @@ std::string RunSection(const DatasetResults& results) {
   return Section("run", "Run", "", content);
 }
 
-// Whole or not at all.
-Result<void> WriteWhole(const fs::path& file, const std::string& text) {
-  const fs::path part = file.string() + ".part";
-  if (Result<void> written = WriteFileBytes(part, text); !written) return written;
-  std::error_code error;
-  fs::rename(part, file, error);
-  if (!error) return {};
-  const std::string message = error.message();
-  fs::remove(part, error);
-  return Error{ErrorCode::kIo, Format("%s can't be written: %s", file.c_str(), message.c_str())};
-}
-
 }  // namespace
 
 Result<std::string> DatasetPage(const DatasetResults& results) {
@@ -188,7 +176,7 @@ Result<void> WriteDatasetReport(const DatasetResults& results, const fs::path& f
   for (const auto& [name, text] : {std::pair<const char*, std::string>("report.html", *page),
                                    {"views.csv", DatasetCsv(results)},
                                    {"results.json", DatasetJson(results)}}) {
-    if (Result<void> written = WriteWhole(folder / name, text); !written) return written;
+    if (Result<void> written = WriteWholeFile(folder / name, text); !written) return written;
   }
   return {};
 }

@@ -1,14 +1,12 @@
 #include "tools/evaluate/dataset_text.h"
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "common/format.h"
+#include "tools/support/csv_field.h"
 
 namespace vantage {
 namespace {
@@ -69,24 +67,6 @@ std::string SummaryLine(const DatasetResults& results, const DatasetSummary& sum
                 1e3 * summary.largest_seconds);
 }
 
-std::string Field(double value) {
-  if (!std::isfinite(value)) return "";
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  return {digits.data(), end};
-}
-
-std::string Field(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  quoted += '"';
-  return quoted;
-}
-
 // By column; those of the pose are empty where nothing was found.
 std::vector<std::pair<const char*, std::string>> Columns(const DatasetResults& results,
                                                          const DatasetOutcome& outcome) {
@@ -95,30 +75,30 @@ std::vector<std::pair<const char*, std::string>> Columns(const DatasetResults& r
   };
   const PoseSuccess& success = outcome.success;
   const StageSeconds& stages = outcome.stages;
-  return {{"dataset", Field(results.datasets[outcome.dataset].name)},
-          {"estimator", Field(outcome.estimator)},
+  return {{"dataset", CsvField(results.datasets[outcome.dataset].name)},
+          {"estimator", CsvField(outcome.estimator)},
           {"search", Name(outcome.search)},
-          {"view", Field(ViewOf(results, outcome).name)},
-          {"model", Field(ModelOf(results, outcome).id)},
+          {"view", CsvField(ViewOf(results, outcome).name)},
+          {"model", CsvField(ModelOf(results, outcome).id)},
           {"found", outcome.is_found ? "1" : "0"},
           {"within", success.is_within ? "1" : "0"},
           {"indistinguishable", success.is_indistinguishable ? "1" : "0"},
-          {"angle_deg", Field(success.angle / kDegree)},
-          {"distance_mm", Field(1e3 * success.distance)},
-          {"other_angle_deg", Field(outcome.angle_other / kDegree)},
-          {"other_distance_mm", Field(1e3 * outcome.distance_other)},
-          {"discrepancy", found(Field(success.discrepancy))},
-          {"deviation_sigmas", found(Field(success.deviation))},
-          {"score", found(Field(outcome.score))},
-          {"truth_offset_mm", Field(1e3 * outcome.truth_offset)},
+          {"angle_deg", CsvField(success.angle / kDegree)},
+          {"distance_mm", CsvField(1e3 * success.distance)},
+          {"other_angle_deg", CsvField(outcome.angle_other / kDegree)},
+          {"other_distance_mm", CsvField(1e3 * outcome.distance_other)},
+          {"discrepancy", found(CsvField(success.discrepancy))},
+          {"deviation_sigmas", found(CsvField(success.deviation))},
+          {"score", found(CsvField(outcome.score))},
+          {"truth_offset_mm", CsvField(1e3 * outcome.truth_offset)},
           {"clusters", std::to_string(outcome.num_clusters)},
           {"wrong_detections", std::to_string(outcome.num_wrong)},
-          {"total_ms", Field(1e3 * outcome.seconds)},
-          {"segmentation_ms", Field(1e3 * stages.segmentation)},
-          {"normals_ms", Field(1e3 * stages.normals)},
-          {"proposal_ms", Field(1e3 * stages.proposal)},
-          {"verification_ms", Field(1e3 * stages.verification)},
-          {"refinement_ms", Field(1e3 * stages.refinement)}};
+          {"total_ms", CsvField(1e3 * outcome.seconds)},
+          {"segmentation_ms", CsvField(1e3 * stages.segmentation)},
+          {"normals_ms", CsvField(1e3 * stages.normals)},
+          {"proposal_ms", CsvField(1e3 * stages.proposal)},
+          {"verification_ms", CsvField(1e3 * stages.verification)},
+          {"refinement_ms", CsvField(1e3 * stages.refinement)}};
 }
 
 Json ToJson(const Pose& pose) {

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "common/format.h"
-#include "perception/model/file_bytes.h"
 #include "tools/evaluate/report_document.h"
 #include "tools/evaluate/results_csv.h"
 #include "tools/evaluate/results_json.h"
+#include "tools/support/whole_file.h"
 
 namespace vantage {
 namespace {
@@ -48,18 +48,6 @@ Result<void> CheckObject(const CircleErrors& object, size_t methods) {
         "particle_runs_deg" + of, object.particle_runs_deg, object.particle_runs_deg.size(), views);
   }
   return checked;
-}
-
-// Whole or not at all.
-Result<void> WriteWhole(const fs::path& file, const std::string& text) {
-  const fs::path part = file.string() + ".part";
-  if (Result<void> written = WriteFileBytes(part, text); !written) return written;
-  std::error_code error;
-  fs::rename(part, file, error);
-  if (!error) return {};
-  const std::string message = error.message();
-  fs::remove(part, error);
-  return Error{ErrorCode::kIo, Format("%s can't be written: %s", file.c_str(), message.c_str())};
 }
 
 }  // namespace
@@ -112,7 +100,7 @@ Result<void> WriteEvaluation(const EvaluationResults& results, const fs::path& f
   files.emplace_back("results.json", ResultsJson(results));
   files.emplace_back("report.html", EvaluationPage(results, *figures));
   for (const auto& [name, text] : files) {
-    if (Result<void> written = WriteWhole(folder / name, text); !written) return written;
+    if (Result<void> written = WriteWholeFile(folder / name, text); !written) return written;
   }
   return {};
 }

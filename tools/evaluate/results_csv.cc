@@ -1,32 +1,12 @@
 #include "tools/evaluate/results_csv.h"
 
-#include <array>
-#include <charconv>
-#include <cmath>
-#include <string_view>
+#include "tools/support/csv_field.h"
 
 namespace vantage {
 namespace {
 
-std::string Field(double value) {
-  if (!std::isfinite(value)) return "";
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  return {digits.data(), end};
-}
-
-std::string Field(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
 std::string Fields(const Interval& interval) {
-  return Field(interval.value) + "," + Field(interval.low) + "," + Field(interval.high);
+  return CsvField(interval.value) + "," + CsvField(interval.low) + "," + CsvField(interval.high);
 }
 
 void AppendViews(const std::string& head,
@@ -34,8 +14,8 @@ void AppendViews(const std::string& head,
                  const std::vector<double>& symmetric,
                  std::string* csv) {
   for (size_t view = 0; view < plain.size(); ++view) {
-    *csv += head + "," + std::to_string(view + 1) + "," + Field(plain[view]) + "," +
-            Field(symmetric[view]) + "\n";
+    *csv += head + "," + std::to_string(view + 1) + "," + CsvField(plain[view]) + "," +
+            CsvField(symmetric[view]) + "\n";
   }
 }
 
@@ -45,8 +25,8 @@ std::string GridCsv(const EvaluationResults& results) {
   std::string csv = "k,num_cells,mean_deg,deviation_deg,megabytes,build_seconds\n";
   for (const GridStatistics& grid : results.grids) {
     csv += std::to_string(grid.k) + "," + std::to_string(grid.num_cells) + "," +
-           Field(grid.mean_deg) + "," + Field(grid.deviation_deg) + "," + Field(grid.megabytes) +
-           "," + Field(grid.build_seconds) + "\n";
+           CsvField(grid.mean_deg) + "," + CsvField(grid.deviation_deg) + "," +
+           CsvField(grid.megabytes) + "," + CsvField(grid.build_seconds) + "\n";
   }
   return csv;
 }
@@ -57,8 +37,9 @@ std::string SweepCsv(const EvaluationResults& results) {
   for (size_t i = 0; i < sweep.w_min.size(); ++i) {
     for (size_t j = 0; j < sweep.w_max.size(); ++j) {
       if (sweep.w_min[i] > sweep.w_max[j]) continue;
-      csv += Field(sweep.w_min[i]) + "," + Field(sweep.w_max[j]) + "," +
-             Field(sweep.mean_error_deg[i][j]) + "," + Field(sweep.wrong_mode_rate[i][j]) + "\n";
+      csv += CsvField(sweep.w_min[i]) + "," + CsvField(sweep.w_max[j]) + "," +
+             CsvField(sweep.mean_error_deg[i][j]) + "," + CsvField(sweep.wrong_mode_rate[i][j]) +
+             "\n";
     }
   }
   return csv;
@@ -67,10 +48,10 @@ std::string SweepCsv(const EvaluationResults& results) {
 std::string CircleCsv(const EvaluationResults& results) {
   std::string csv = "model,method,view,error_deg,error_symmetric_deg\n";
   for (const CircleErrors& object : results.circle) {
-    const std::string model = Field(object.model_id);
+    const std::string model = CsvField(object.model_id);
     AppendViews(model + ",detection", object.detection_deg, object.detection_symmetric_deg, &csv);
     for (size_t method = 0; method < object.step_deg.size(); ++method) {
-      AppendViews(model + "," + Field(results.methods[method].id),
+      AppendViews(model + "," + CsvField(results.methods[method].id),
                   object.step_deg[method],
                   object.step_symmetric_deg[method],
                   &csv);
@@ -84,8 +65,9 @@ std::string SequencesCsv(const EvaluationResults& results) {
   for (const SequenceErrors& object : results.sequences) {
     for (size_t method = 0; method < object.final_deg.size(); ++method) {
       for (size_t i = 0; i < object.final_deg[method].size(); ++i) {
-        csv += Field(object.model_id) + "," + std::to_string(i + 1) + "," +
-               Field(results.methods[method].id) + "," + Field(object.final_deg[method][i]) + "\n";
+        csv += CsvField(object.model_id) + "," + std::to_string(i + 1) + "," +
+               CsvField(results.methods[method].id) + "," + CsvField(object.final_deg[method][i]) +
+               "\n";
       }
     }
   }
@@ -110,16 +92,16 @@ std::string AccuracyCsv(const EvaluationResults& results) {
   for (size_t i = 0; i < results.accuracy.size(); ++i) {
     const MethodInfo& method = results.methods[i];
     const MethodAccuracy& accuracy = results.accuracy[i];
-    csv += Field(method.id) + "," + Field(method.label) + (method.is_histogram ? ",1" : ",0") +
-           (method.is_past_paper ? ",1," : ",0,") + Fields(accuracy.median_deg) + "," +
-           Fields(accuracy.mean_deg) + "," + Fields(accuracy.wrong_mode_rate) + "," +
-           Fields(accuracy.median_difference_deg) + "," +
+    csv += CsvField(method.id) + "," + CsvField(method.label) +
+           (method.is_histogram ? ",1" : ",0") + (method.is_past_paper ? ",1," : ",0,") +
+           Fields(accuracy.median_deg) + "," + Fields(accuracy.mean_deg) + "," +
+           Fields(accuracy.wrong_mode_rate) + "," + Fields(accuracy.median_difference_deg) + "," +
            Fields(accuracy.difference_of_medians_deg) + "," +
            Fields(accuracy.difference_of_wrong_mode_rates) + "," +
            Fields(accuracy.early_wrong_mode_rate) + "," +
            Fields(accuracy.difference_of_early_wrong_mode_rates) + "," +
-           Fields(accuracy.difference_to_blind_deg) + "," + Field(accuracy.seconds_per_view) + "," +
-           std::to_string(accuracy.num_without_estimate) + "\n";
+           Fields(accuracy.difference_to_blind_deg) + "," + CsvField(accuracy.seconds_per_view) +
+           "," + std::to_string(accuracy.num_without_estimate) + "\n";
   }
   return csv;
 }
