@@ -65,7 +65,7 @@ Result<void> Draw(const Arguments& arguments) {
   const Result<std::string> page = RenderStagePage(panels);
   if (!page) return page.error();
   if (Result<void> written = WriteFileBytes(arguments.output, *page); !written) return written;
-  std::printf("%s", DescribeStages(*trace, *image, estimation.verification.min_score).c_str());
+  std::printf("%s", DescribeStages(*trace, *image, estimation.verification).c_str());
   return {};
 }
 

@@ -302,6 +302,7 @@ class StageArtist {
   [[nodiscard]] std::string Verdict(ModelTrace::Outcome outcome) const {
     if (outcome == ModelTrace::Outcome::kAccepted) return "accepted";
     if (outcome == ModelTrace::Outcome::kOtherBetter) return "another explains more";
+    if (outcome == ModelTrace::Outcome::kHidden) return "too little of it is measured";
     return Format("below %.2f", parameters_.min_score);
   }
 

@@ -26,23 +26,27 @@ std::string DescribeCluster(const StageTrace& trace, size_t index) {
                     : "");
 }
 
-std::string DescribeOutcome(const ModelTrace& model, double min_score) {
+std::string DescribeOutcome(const ModelTrace& model, const VerificationParameters& bounds) {
   switch (model.outcome) {
     case ModelTrace::Outcome::kAccepted:
       return "accepted";
     case ModelTrace::Outcome::kNoProposals:
       return "no proposals";
     case ModelTrace::Outcome::kLowScore:
-      return Format("below min_score %.2f", min_score);
+      return Format("below min_score %.2f", bounds.min_score);
+    case ModelTrace::Outcome::kHidden:
+      return Format("less than min_visible %.2f of the model is measured", bounds.min_visible);
     case ModelTrace::Outcome::kOtherBetter:
       break;
   }
   return "another pose explains the cluster better";
 }
 
-std::string DescribeModel(const StageTrace& trace, const ModelTrace& model, double min_score) {
+std::string DescribeModel(const StageTrace& trace,
+                          const ModelTrace& model,
+                          const VerificationParameters& bounds) {
   const std::string& id = trace.models[model.model].object.id;
-  const std::string outcome = DescribeOutcome(model, min_score);
+  const std::string outcome = DescribeOutcome(model, bounds);
   if (model.outcome == ModelTrace::Outcome::kNoProposals) {
     return Format("  %s: %s from %zu points\n", id.c_str(), outcome.c_str(), model.points.size());
   }
@@ -58,7 +62,9 @@ std::string DescribeModel(const StageTrace& trace, const ModelTrace& model, doub
 
 }  // namespace
 
-std::string DescribeStages(const StageTrace& trace, const StageImage& image, double min_score) {
+std::string DescribeStages(const StageTrace& trace,
+                           const StageImage& image,
+                           const VerificationParameters& bounds) {
   std::string text = Format("image %d of %d taken at rest, %jd us, %d x %d px, %zu planes\n",
                             image.number,
                             image.count,
@@ -70,7 +76,7 @@ std::string DescribeStages(const StageTrace& trace, const StageImage& image, dou
   for (size_t i = 0; i < trace.clusters.size(); ++i) {
     text += DescribeCluster(trace, i);
     for (const ModelTrace& model : trace.clusters[i].models) {
-      text += DescribeModel(trace, model, min_score);
+      text += DescribeModel(trace, model, bounds);
     }
   }
   if (trace.detections.empty()) text += "nothing detected\n";

@@ -103,9 +103,10 @@ class LastStages {
     RefineOnPixels(cluster, known, &hypotheses);
     model->T_best = hypotheses.front().T_camera_object;
     model->verification = hypotheses.front().verification;
-    if (model->verification.score() >= parameters_.verification.min_score) {
-      model->outcome = ModelTrace::Outcome::kOtherBetter;
-    }
+    if (model->verification.score() < parameters_.verification.min_score) return;
+    model->outcome = model->verification.visible_fraction() < parameters_.verification.min_visible
+                         ? ModelTrace::Outcome::kHidden
+                         : ModelTrace::Outcome::kOtherBetter;
   }
 
  private:

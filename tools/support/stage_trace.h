@@ -19,6 +19,7 @@ struct ModelTrace {
     kAccepted,
     kNoProposals,
     kLowScore,     ///< below min_score after the last verification
+    kHidden,       ///< Too little of the model is measured.
     kOtherBetter,  ///< a pose that passes, but another explains the cluster better
   };
   size_t model = 0;                  ///< index into StageTrace::models
