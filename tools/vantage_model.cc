@@ -8,7 +8,7 @@
 
 #include "common/format.h"
 #include "common/result.h"
-#include "fusion/measured_symmetry.h"
+#include "fusion/symmetry/measured_symmetry.h"
 #include "nodes/command_line.h"
 #include "perception/model/mesh_check.h"
 #include "perception/model/mesh_import.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "fusion/measured_symmetry.h"
+#include "fusion/symmetry/measured_symmetry.h"
 #include "perception/model/mesh_check.h"
 #include "perception/model/mesh_import.h"
 #include "perception/model/model_builder.h"

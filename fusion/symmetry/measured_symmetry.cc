@@ -1,4 +1,4 @@
-#include "fusion/measured_symmetry.h"
+#include "fusion/symmetry/measured_symmetry.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/format.h"
-#include "fusion/nearest_surface.h"
+#include "fusion/symmetry/nearest_surface.h"
 #include "fusion/quaternion_mean.h"
 #include "fusion/so3_grid.h"
 

@@ -1,4 +1,4 @@
-#include "fusion/nearest_surface.h"
+#include "fusion/symmetry/nearest_surface.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "fusion/measured_symmetry.h"
+#include "fusion/symmetry/measured_symmetry.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "fusion/nearest_surface.h"
+#include "fusion/symmetry/nearest_surface.h"
 
 namespace vantage {
 namespace {
