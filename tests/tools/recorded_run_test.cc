@@ -154,7 +154,7 @@ TEST_F(RecordedRunTest, ViewpointsWithWhatWasSeenAndBelieved) {
     ASSERT_EQ(view.objects.objects.size(), 1U);
     ExpectSame(EstimatedPose(view.objects.objects[0]).value(), PoseOf(1000 + v));
     EXPECT_EQ(view.histograms.at(4).k, 8 + static_cast<int>(v));
-    EXPECT_EQ(view.decision, "reason " + std::to_string(v));
+    EXPECT_EQ(view.next_view.reason, "reason " + std::to_string(v));
   }
 }
 
@@ -272,7 +272,7 @@ TEST_F(RecordedRunTest, MessagesThatFailTheirChecksAreLeftOut) {
   ASSERT_EQ(run->views.size(), 1U);
   ASSERT_EQ(run->views[0].objects.objects.size(), 1U);
   EXPECT_EQ(run->views[0].objects.objects[0].instance_id, 2);
-  EXPECT_EQ(run->views[0].decision, "");
+  EXPECT_EQ(run->views[0].next_view.reason, "");
   EXPECT_FALSE(run->camera.has_value());
 }
 

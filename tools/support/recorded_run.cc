@@ -10,7 +10,6 @@
 #include "common/format.h"
 #include "perception/model/object_model.h"
 #include "vantage/camera_info_t.hpp"
-#include "vantage/next_view_t.hpp"
 
 namespace vantage {
 namespace {
@@ -35,8 +34,8 @@ class RunReader {
         run_.views.back().histograms[message->instance_id] = std::move(message).value();
       }
     } else if (event.channel == "NEXT_VIEW") {
-      const auto message = DecodeChecked<next_view_t>(event.data);
-      if (message && !run_.views.empty()) run_.views.back().decision = message->reason;
+      auto message = DecodeChecked<next_view_t>(event.data);
+      if (message && !run_.views.empty()) run_.views.back().next_view = std::move(message).value();
     } else if (event.channel == camera_channel_ + "_INFO") {
       const auto message = DecodeChecked<camera_info_t>(event.data);
       if (!message) return;

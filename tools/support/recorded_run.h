@@ -12,6 +12,7 @@
 #include "common/detection.h"
 #include "common/result.h"
 #include "common/so3.h"
+#include "vantage/next_view_t.hpp"
 #include "vantage/object_estimates_v2_t.hpp"
 #include "vantage/orientation_histogram_t.hpp"
 
@@ -25,7 +26,7 @@ struct RunView {
   std::map<int32_t, Pose> detections;      ///< T_world_object by instance id: this view alone
   object_estimates_v2_t objects{};         ///< the fused estimates after it
   std::map<int32_t, orientation_histogram_t> histograms;  ///< by instance id, after it
-  std::string decision;                                   ///< NEXT_VIEW's reason after it
+  next_view_t next_view{};                                ///< NEXT_VIEW after it
 };
 
 /// A run as its log tells it.

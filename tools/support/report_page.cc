@@ -7,6 +7,7 @@
 #include "tools/support/error_figure.h"
 #include "tools/support/html.h"
 #include "tools/support/report_pictures.h"
+#include "tools/support/view_choice_figure.h"
 
 namespace vantage {
 namespace {
@@ -89,6 +90,15 @@ std::string Summary(const RecordedRun& run, const RunMetrics& metrics, const Rep
   return html;
 }
 
+// Why the camera went where it went then.
+Result<std::string> ViewChoice(const next_view_t& decision, size_t index) {
+  const Result<std::string> figure = ViewChoiceFigure(decision);
+  if (!figure || figure->empty()) return figure;
+  return Format("<img alt=\"candidates after view %zu\" src=\"", index + 1) +
+         DataUri("image/svg+xml", *figure) + "\"><figcaption>" +
+         EscapeHtml(RejectionText(decision)) + "</figcaption>";
+}
+
 Result<std::string> ViewCard(const RecordedRun& run,
                              size_t index,
                              const ReportSetup& setup,
@@ -104,7 +114,9 @@ Result<std::string> ViewCard(const RecordedRun& run,
   }
   html += Format("<figcaption><b>View %zu.</b> %s</figcaption>",
                  index + 1,
-                 view.decision.empty() ? "" : EscapeHtml("Then: " + view.decision + ".").c_str());
+                 view.next_view.reason.empty()
+                     ? ""
+                     : EscapeHtml("Then: " + view.next_view.reason + ".").c_str());
   html += "<table><tr><th></th><th>alone</th><th>fused</th><th></th></tr>";
   for (const ObjectHistory& object : metrics.objects) {
     if (index >= object.fused.size()) continue;
@@ -112,7 +124,10 @@ Result<std::string> ViewCard(const RecordedRun& run,
             Cell(object.detected[index], true) + Cell(object.fused[index], true) +
             Cell(object.fused[index], false) + "</tr>";
   }
-  return html + "</table></figure>";
+  html += "</table>";
+  const Result<std::string> choice = ViewChoice(view.next_view, index);
+  if (!choice) return choice.error();
+  return html + *choice + "</figure>";
 }
 
 Result<std::string> Scene(const RecordedRun& run, const ReportSetup& setup) {
@@ -205,7 +220,9 @@ Result<std::string> ReportPage(const std::string& title,
       "<h2>Views</h2><p class=\"soft\">Depth in false color, near is light; outlines are the "
       "fused estimates after the view. Beside each object the error of this view alone, and that "
       "of "
-      "all views so far.</p><div class=\"grid\">";
+      "all views so far. The map shows what was considered for the next view, straight down in the "
+      "middle, level views at the rim: the darker the more it promises, crosses where it was "
+      "rejected, a ring around the one chosen.</p><div class=\"grid\">";
   for (size_t i = 0; i < run.views.size(); ++i) {
     const Result<std::string> card = ViewCard(run, i, setup, metrics);
     if (!card) return card.error();
