@@ -24,6 +24,9 @@ struct ContingencyKey {
   int rows_k = 0;          ///< of the So3Grid of the rows; 0: no rows
 
   bool operator==(const ContingencyKey&) const = default;
+  /// Which field differs first and both values ("estimator is "ppf", expected "shot""), of texts of
+  /// several lines the first line that differs. Empty for equal keys.
+  [[nodiscard]] std::string DifferenceFrom(const ContingencyKey& expected) const;
 };
 
 /// A difference rotation q' = q_GT* q_D (paper eq. 12) and how often it was seen. Kept as a
@@ -35,7 +38,9 @@ struct DifferenceCount {
   int32_t count = 0;
 
   [[nodiscard]] Eigen::Quaterniond Difference() const;
-  /// Steps of a rotation.
+  /// Steps of a rotation, of norm 1; the same for q and -q. Difference() of them lies within 0.22
+  /// deg. Of the two ways to write a rotation by nearly pi one is taken, so that half turns about
+  /// an axis are not kept apart by its sign.
   static std::array<int16_t, 3> StepsOf(const Eigen::Quaterniond& difference);
   bool operator==(const DifferenceCount&) const = default;
 };

@@ -30,22 +30,22 @@ class DirectionGrid {
   [[nodiscard]] std::vector<int> CellsWithin(const Eigen::Vector3d& direction, double radius) const;
 
  private:
-  // Between two circles of latitude.
+  // Between two circles of latitude. Those above it hold `first` cells: its borders follow.
   struct Ring {
-    double lowest_z = -1.0;
-    double highest_z = 1.0;
     int first = 0;  // Cell.
     int count = 1;
+    double colatitude = 0.0;  // Of its cells' centers, rad.
   };
   [[nodiscard]] const Ring& RingOf(int cell) const;
 
   int num_cells_;
-  std::vector<Ring> rings_;     // From z = 1 down.
-  std::vector<int> ring_by_z_;  // Coarse table over z, for CellOf.
+  std::vector<Ring> rings_;        // From z = 1 down.
+  std::vector<int> ring_of_cell_;  // Place in rings_.
 };
 
-/// Number of cells at which neighboring directions lie as far apart as the nearest neighbors of the
-/// orientation grid of this k (paper Table 1): 391 at k = 8, 6,250 at k = 32.
+/// Number of cells as large as the square of the angle between nearest neighbors of the orientation
+/// grid of this k (paper Table 1: 10.28 deg at k = 8, and in proportion): 391 at k = 8, 6,246 at
+/// k = 32.
 int NumDirections(int k);
 
 }  // namespace vantage
