@@ -2,16 +2,11 @@
 // the same detections, a report. Or tunes the methods on other sequences. Or holds single views of
 // real datasets against their ground truth.
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -36,17 +31,17 @@
 #include "tools/evaluate/fusion_methods.h"
 #include "tools/evaluate/grid_statistics.h"
 #include "tools/evaluate/method_cache.h"
-#include "tools/evaluate/progress_bar.h"
 #include "tools/evaluate/report_writer.h"
 #include "tools/evaluate/tuning.h"
 #include "tools/support/gnuplot.h"
+#include "tools/support/interrupt.h"
+#include "tools/support/shown_progress.h"
 
 namespace vantage {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kInterrupted = 130;
 constexpr int kEvaluationSequences = 60;
 constexpr int kTuningSequences = 10;
 constexpr uint64_t kTuningSeed = 1000;  // Added to the evaluation's.
@@ -69,58 +64,6 @@ struct Arguments {
   int k = 32;
   int largest_grid = 64;
   bool check = false;
-};
-
-double Now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// A progress bar that appears with the first step.
-class Progress {
- public:
-  explicit Progress(std::string what) : what_(std::move(what)) {}
-  ~Progress() {
-    if (bar_) bar_->Finish();
-  }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void Show(int64_t done, int64_t total) {
-    if (!bar_) {
-      bar_ =
-          std::make_unique<ProgressBar>(std::cerr, what_, total, isatty(STDERR_FILENO) != 0, Now());
-    }
-    bar_->Show(done, Now());
-  }
-
- private:
-  std::string what_;
-  std::unique_ptr<ProgressBar> bar_;
-};
-
-/// Turns SIGINT and SIGTERM into a stop request; a second one ends the program at once. Made before
-/// any thread.
-class Interrupt {
- public:
-  Interrupt() {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-    std::thread([signals = signals_, source = source_]() mutable {
-      int signal = 0;
-      sigwait(&signals, &signal);
-      std::fprintf(stderr, "\nending after the sequences in work; once more to end at once\n");
-      source.request_stop();
-      sigwait(&signals, &signal);
-      _exit(128 + signal);
-    }).detach();
-  }
-  [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
-
- private:
-  sigset_t signals_{};
-  std::stop_source source_;
 };
 
 Result<std::vector<ObjectModel>> LoadModels(const Arguments& arguments) {
@@ -164,7 +107,7 @@ Result<Input> MakeInput(const Arguments& arguments, const std::stop_token& stop)
   request.random_sequences = arguments.sequences;
   request.threads = arguments.threads;
   request.cache = folder;
-  Progress bar("views");
+  ShownProgress bar("views");
   Result<DetectionRun> run =
       RunDetections(input.models, request, stop, [&bar](const DetectionProgress& progress) {
         bar.Show(progress.views_done, progress.views_total);
@@ -264,7 +207,7 @@ Result<std::vector<TunableMethod>> MethodsToTune(const So3Grid& grid,
 
 /// @return the exit code.
 Result<int> Tune(const Arguments& arguments) {
-  const Interrupt interrupt;
+  const Interrupt interrupt("the sequences in work");
   const Result<So3Grid> grid = So3Grid::Create(arguments.k);
   if (!grid) return grid.error();
   const Result<std::vector<TunableMethod>> methods = MethodsToTune(*grid, arguments.methods);
@@ -280,7 +223,7 @@ Result<int> Tune(const Arguments& arguments) {
   parameters.run = {arguments.seed + kTuningSeed, arguments.threads, input->cache.get()};
   std::vector<TuningTrial> trials;
   for (const TunableMethod& method : *methods) {
-    Progress bar("sequences fused by " + method.info.id);
+    ShownProgress bar("sequences fused by " + method.info.id);
     const std::vector<TuningTrial> tried = TuneMethod(
         method, sequences, parameters, interrupt.token(), [&bar](int64_t done, int64_t total) {
           bar.Show(done, total);
@@ -306,7 +249,7 @@ Result<int> Tune(const Arguments& arguments) {
 
 /// @return the exit code.
 Result<int> Evaluate(const Arguments& arguments) {
-  const Interrupt interrupt;
+  const Interrupt interrupt("the sequences in work");
   const Result<So3Grid> grid = So3Grid::Create(arguments.k);
   if (!grid) return grid.error();
   const fs::path folder =
@@ -328,7 +271,7 @@ Result<int> Evaluate(const Arguments& arguments) {
   results.views_per_sequence = arguments.views;
   results.histogram_k = arguments.k;
   {
-    Progress bar("sequences fused");
+    ShownProgress bar("sequences fused");
     const bool is_complete = EvaluateMethods(
         input->models,
         input->run.models,
@@ -386,7 +329,7 @@ Result<void> LoadDatasets(const Arguments& arguments, DatasetResults* results) {
 
 /// @return the exit code.
 Result<int> EvaluateDatasets(const Arguments& arguments) {
-  const Interrupt interrupt;
+  const Interrupt interrupt("the sequences in work");
   const Result<std::vector<std::string>> estimators = FindEstimators(arguments.estimator);
   if (!estimators) return estimators.error();
   DatasetResults results;
@@ -395,7 +338,7 @@ Result<int> EvaluateDatasets(const Arguments& arguments) {
   results.seed = arguments.seed;
   if (const auto loaded = LoadDatasets(arguments, &results); !loaded) return loaded.error();
   {
-    Progress bar("images");
+    ShownProgress bar("images");
     const Result<bool> is_complete = RunDatasets(
         *estimators,
         MakeEstimator,

@@ -1,9 +1,9 @@
+#include "tools/support/progress_bar.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <sstream>
-
-#include "tools/evaluate/progress_bar.h"
 
 namespace vantage {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/evaluate/progress_bar.h"
+#include "tools/support/progress_bar.h"
 
 #include <algorithm>
 #include <cmath>
