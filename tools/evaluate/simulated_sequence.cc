@@ -3,8 +3,6 @@
 #include <utility>
 
 #include "common/format.h"
-#include "drivers/sim/scene_renderer.h"
-#include "drivers/sim/sensor_model.h"
 #include "tools/evaluate/detection_hash.h"
 
 namespace vantage {
@@ -94,6 +92,33 @@ std::vector<Detection> SequenceSimulator::OfTheObject(const std::vector<Detectio
   return found;
 }
 
+SimulatedStage SequenceSimulator::Place(const SimulatedViews& views, uint64_t seed) const {
+  SensorModelParameters device = parameters_.sensor;
+  device.seed = MixBits(seed + kNoise);
+  device.device_id = MixBits(seed + kDevice);
+  return {seed,
+          views.T_world_object,
+          SceneRenderer(SceneOf(model_, views), parameters_.camera),
+          SensorModel(device, parameters_.camera)};
+}
+
+DetectedView SequenceSimulator::Look(const Pose& T_world_camera,
+                                     int view,
+                                     SimulatedStage* stage,
+                                     SimulationTimes* times) {
+  Lap lap(times);
+  const RenderedView& ideal = stage->renderer.Render(T_world_camera);
+  lap.To(&SimulationTimes::render);
+  stage->sensor.Measure(ideal, view, kSecondsPerView * view, &depth_);
+  lap.To(&SimulationTimes::sensor);
+  Rng estimator_rng(stage->seed, kFirstEstimate + static_cast<uint64_t>(view));
+  const PoseEstimator::Output& output = estimator_->Estimate(
+      depth_, parameters_.camera, estimator_rng, times != nullptr ? &times->estimator : nullptr);
+  return {T_world_camera,
+          OfTheObject(output.detections,
+                      T_world_camera.inverse(Eigen::Isometry) * stage->T_world_object)};
+}
+
 DetectionSequence SequenceSimulator::Simulate(SequenceKind kind,
                                               int index,
                                               SimulationTimes* times) {
@@ -102,30 +127,13 @@ DetectionSequence SequenceSimulator::Simulate(SequenceKind kind,
   Rng rng(seed, kViews);
   const SimulatedViews views = MakeSimulatedViews(
       model_, kind, index, parameters_.views, parameters_.camera, parameters_.sensor.nearest, rng);
-  SceneRenderer renderer(SceneOf(model_, views), parameters_.camera);
-  SensorModelParameters device = parameters_.sensor;
-  device.seed = MixBits(seed + kNoise);
-  device.device_id = MixBits(seed + kDevice);
-  SensorModel sensor(device, parameters_.camera);
+  SimulatedStage stage = Place(views, seed);
   lap.To(&SimulationTimes::setup);
 
   DetectionSequence sequence{model_.id, index, views.T_world_object, {}};
-  DepthImage depth;
   for (size_t view = 0; view < views.T_world_camera.size(); ++view) {
-    const Pose& T_world_camera = views.T_world_camera[view];
-    const RenderedView& ideal = renderer.Render(T_world_camera);
-    lap.To(&SimulationTimes::render);
-    const double time = kSecondsPerView * static_cast<double>(view);
-    sensor.Measure(ideal, static_cast<int64_t>(view), time, &depth);
-    lap.To(&SimulationTimes::sensor);
-    Rng estimator_rng(seed, kFirstEstimate + view);
-    const PoseEstimator::Output& output = estimator_->Estimate(
-        depth, parameters_.camera, estimator_rng, times != nullptr ? &times->estimator : nullptr);
-    lap.To(nullptr);
     sequence.views.push_back(
-        {T_world_camera,
-         OfTheObject(output.detections,
-                     T_world_camera.inverse(Eigen::Isometry) * views.T_world_object)});
+        Look(views.T_world_camera[view], static_cast<int>(view), &stage, times));
   }
   return sequence;
 }

@@ -4,7 +4,10 @@
 #include <memory>
 
 #include "common/camera_model.h"
+#include "common/depth_image.h"
 #include "common/result.h"
+#include "drivers/sim/scene_renderer.h"
+#include "drivers/sim/sensor_model.h"
 #include "drivers/sim/sensor_parameters.h"
 #include "perception/ppf/ppf_estimator.h"
 #include "tools/evaluate/detection_sequence.h"
@@ -42,6 +45,14 @@ struct SimulationTimes {
   StageTimes estimator;
 };
 
+/// An object on its table before a device of its own: what a seed and a pose decide.
+struct SimulatedStage {
+  uint64_t seed = 0;
+  Pose T_world_object = Pose::Identity();
+  SceneRenderer renderer;
+  SensorModel sensor;
+};
+
 /// Lets the estimator see one object on a table through a structured-light sensor. Not for several
 /// threads at once; another simulator of the same model gives the same sequences.
 class SequenceSimulator {
@@ -53,6 +64,15 @@ class SequenceSimulator {
   /// @param times may be null; is added to.
   DetectionSequence Simulate(SequenceKind kind, int index, SimulationTimes* times = nullptr);
 
+  /// Puts the object before a device, to be looked at from anywhere.
+  /// @param views where it lies, and by how much the table is larger; the cameras are not used.
+  [[nodiscard]] SimulatedStage Place(const SimulatedViews& views, uint64_t seed) const;
+  /// The view-th look, view >= 0: its noise is the same from wherever it is.
+  DetectedView Look(const Pose& T_world_camera,
+                    int view,
+                    SimulatedStage* stage,
+                    SimulationTimes* times = nullptr);
+
  private:
   SequenceSimulator(const ObjectModel& model,
                     const SimulationParameters& parameters,
@@ -63,6 +83,7 @@ class SequenceSimulator {
   ObjectModel model_;
   SimulationParameters parameters_;
   std::unique_ptr<PoseEstimator> estimator_;
+  DepthImage depth_;  // Reused.
 };
 
 }  // namespace vantage
