@@ -25,8 +25,14 @@ struct ConfusionModelParameters {
 
 /// A contingency table made ready for fusion and planning: the difference rotations q_GT* q_D that
 /// occur, as a few modes, and the share of each by viewing direction: P(q_D | q_GT) =
-/// K_v(q_GT* q_D) with v the viewing direction of q_GT (left invariance). Modes are modulo the
-/// object's symmetry group. Mode 0 is the identity: a right detection. Immutable once made.
+/// K_v(q_GT* q_D) with v the viewing direction of q_GT (left invariance). Mode 0 is the identity: a
+/// right detection. Immutable once made.
+///
+/// With a symmetry group G, q_D and q_D g are one detection, so differences are modulo G on the
+/// right, and a mode stands for all of q' G; its Difference() is the one nearest to the identity.
+/// On the left they are not: the truth q_GT g is the same as q_GT, but it is looked at from another
+/// direction in its own frame, g^* v, with the differences g^* q'. Those are that direction's own
+/// shares; to merge g^* q' with q' at one direction would mix different orientations.
 class ConfusionModel {
  public:
   struct Share {
@@ -49,24 +55,37 @@ class ConfusionModel {
   [[nodiscard]] int DirectionOf(const Eigen::Quaterniond& q_camera_object) const;
   [[nodiscard]] const DirectionGrid& directions() const { return grid_; }
 
-  /// Modes that occur from a direction, ascending by mode. They and Missed() sum to 1.
+  /// Modes that occur from a direction, ascending by mode. They and Missed() sum to 1, as measured:
+  /// the outlier share is not in them. Likelihoods take it in by WithOutliers().
   [[nodiscard]] std::span<const Share> SharesFrom(int direction) const;
   /// Share of one mode; 0 when it does not occur.
   [[nodiscard]] double ShareFrom(int direction, int mode) const;
-  /// Share of trials in which nothing was detected.
+  /// Share of trials that tell nothing: nothing was detected, or something of no mode.
   [[nodiscard]] double Missed(int direction) const;
-  /// Entropy of the outcomes from a direction, nat.
+  /// The part of Missed() in which something was detected, but nothing that comes up often enough
+  /// to be a mode.
+  [[nodiscard]] double Scattered(int direction) const;
+  /// Probability of one of the num_modes() + 2 outcomes (a mode, scattered, nothing) of this share:
+  /// the outlier share is spread evenly over them.
+  [[nodiscard]] double WithOutliers(double share) const {
+    const double outliers = parameters_.outlier_share;
+    return (1.0 - outliers) * share + outliers / (num_modes() + 2);
+  }
+  /// Entropy of the outcomes from a direction, each WithOutliers(), nat.
   [[nodiscard]] double Entropy(int direction) const;
-  /// Mode of a difference rotation; -1 when none is within mode_radius.
+  /// Nearest mode of a difference rotation; -1 when none is within mode_radius.
   [[nodiscard]] int ModeOf(const Eigen::Quaterniond& difference) const;
 
   [[nodiscard]] const SymmetryGroup& symmetry() const { return symmetry_; }
   [[nodiscard]] const ConfusionModelParameters& parameters() const { return parameters_; }
 
  private:
-  ConfusionModel(const DirectionGrid& grid,
+  ConfusionModel(int num_directions,
                  const SymmetryGroup& symmetry,
-                 const ConfusionModelParameters& parameters);
+                 const ConfusionModelParameters& parameters)
+      : grid_(num_directions), symmetry_(symmetry), parameters_(parameters) {}
+  void TakeShares(const std::vector<std::vector<Share>>& shares);
+  [[nodiscard]] size_t Checked(int direction) const;
 
   DirectionGrid grid_;
   SymmetryGroup symmetry_;
@@ -74,6 +93,7 @@ class ConfusionModel {
   std::vector<Eigen::Quaterniond> differences_;
   std::vector<Share> shares_;        // Of all directions, one after the other.
   std::vector<size_t> first_share_;  // By direction; one more at the end.
+  std::vector<double> nothing_;      // By direction: the part of missed_ without a detection.
   std::vector<double> missed_, entropy_;
   int num_unmeasured_ = 0;
 };
