@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -26,6 +27,10 @@ class SceneRenderer {
  public:
   SceneRenderer(const SimScene& scene, const CameraModel& camera);
 
+  /// Moves an object of the scene.
+  void MoveObject(size_t object, const Pose& T_world_object) {
+    bodies_[object].T_world_body = T_world_object;
+  }
   /// The view from a pose; valid until the next call.
   const RenderedView& Render(const Pose& T_world_camera);
 

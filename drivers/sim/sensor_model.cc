@@ -75,6 +75,8 @@ void SensorModel::MakeTables() {
 void SensorModel::MakeBias() {
   bias_amplitude_ = focal_baseline_ * parameters_.bias_at_1m;
   Rng rng(parameters_.device_id, 0x62696173);
+  bias_waves_.clear();
+  bias_depth_term_.clear();
   constexpr int kWaves = 5;
   for (int i = 0; i < kWaves; ++i) {
     const double wavelength = rng.Uniform(250.0, 900.0);  // px of the 640 px image
@@ -92,6 +94,11 @@ void SensorModel::MakeBias() {
     bias_depth_term_.push_back(
         static_cast<float>(bias_amplitude_ * kBiasDepthShare * std::sin(angle)));
   }
+}
+
+void SensorModel::SetDevice(uint64_t device_id) {
+  parameters_.device_id = device_id;
+  MakeBias();
 }
 
 double SensorModel::BiasField(double u, double v, double time) const {

@@ -19,6 +19,9 @@ class SensorModel {
  public:
   SensorModel(const SensorModelParameters& parameters, const CameraModel& camera);
 
+  /// Makes it another device: one of another bias and noise.
+  void SetDevice(uint64_t device_id);
+
   /// @param view of the camera that was given.
   /// @param time s since the device's start, for the bias.
   /// @param measured depth, m; NaN where nothing is measured. Its buffer is reused.

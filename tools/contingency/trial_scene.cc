@@ -1,0 +1,74 @@
+#include "tools/contingency/trial_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace vantage {
+namespace {
+
+constexpr double kClearance = 0.05;     // m, kept from the sensor's nearest depth.
+constexpr double kImageMargin = 1.05;   // Of the object's ball, in the image.
+constexpr double kLargestGap = 0.15;    // m, between the object's ball and the wall.
+constexpr double kSmallestGap = 0.05;   // m
+constexpr double kHeightMargin = 0.02;  // m, below what the segmentation takes for an object.
+constexpr double kWallSize = 8.0;       // m
+
+double RadiusAboutCenter(const ObjectModel& model) {
+  double radius = 0.0;
+  for (const Eigen::Vector3f& vertex : model.mesh.vertices) {
+    radius = std::max(radius, (vertex.cast<double>() - model.center).norm());
+  }
+  return radius;
+}
+
+// Distance from which a ball is wholly in the image and in range, m.
+double FittingDistance(double radius, const CameraModel& camera, double nearest) {
+  const double half_width = std::min(camera.cx, camera.width - 1 - camera.cx) / camera.fx;
+  const double half_height = std::min(camera.cy, camera.height - 1 - camera.cy) / camera.fy;
+  const double half_angle = std::atan(std::min(half_width, half_height));
+  return std::max(nearest + kClearance + radius, kImageMargin * radius / std::sin(half_angle));
+}
+
+const SegmentationParameters& SegmentationOf(const TrialParameters& parameters) {
+  return parameters.estimator == "ppf" ? parameters.ppf.estimation.segmentation
+                                       : parameters.shot.estimation.segmentation;
+}
+
+}  // namespace
+
+TrialScene::TrialScene(const ObjectModel& model, const TrialParameters& parameters)
+    : center_(model.center), radius_(RadiusAboutCenter(model)), aim_jitter_(parameters.aim_jitter) {
+  const double fitting = FittingDistance(
+      radius_ + std::sqrt(2.0) * aim_jitter_, parameters.camera, parameters.sensor.nearest);
+  const double scale = std::max(1.0, fitting / parameters.nearest_distance);
+  nearest_ = scale * parameters.nearest_distance;
+  farthest_ = scale * parameters.farthest_distance;
+  const SegmentationParameters& segmentation = SegmentationOf(parameters);
+  const double gap = std::min(kLargestGap, segmentation.max_height - kHeightMargin - 2.0 * radius_);
+  const bool has_wall =
+      gap >= kSmallestGap && segmentation.support == SegmentationParameters::Support::kAuto;
+  wall_distance_ = has_wall ? radius_ + gap : 0.0;
+}
+
+TrialScene::Placement TrialScene::Place(const Eigen::Quaterniond& q_camera_object, Rng& rng) const {
+  const double distance = rng.Uniform(nearest_, farthest_);
+  const double right = rng.Uniform(-aim_jitter_, aim_jitter_);
+  const double down = rng.Uniform(-aim_jitter_, aim_jitter_);
+  Placement placement;
+  placement.T_camera_object.linear() = q_camera_object.toRotationMatrix();
+  placement.T_camera_object.translation() =
+      Eigen::Vector3d(right, down, distance) - placement.T_camera_object.linear() * center_;
+  placement.T_world_camera.linear() = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
+  placement.T_world_camera.translation().z() = distance + wall_distance_;
+  return placement;
+}
+
+SimScene TrialScene::Scene(const ObjectModel& model) const {
+  SimScene scene;
+  if (wall_distance_ > radius_) scene.floor = SimPlane{0.0, {kWallSize, kWallSize}, {0.0, 0.0}};
+  scene.objects.push_back({model.id, model.mesh, Pose::Identity()});
+  return scene;
+}
+
+}  // namespace vantage
