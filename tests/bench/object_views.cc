@@ -6,7 +6,7 @@
 #include "common/rng.h"
 #include "drivers/sim/scene_renderer.h"
 #include "drivers/sim/sensor_model.h"
-#include "tools/evaluate/detection_hash.h"
+#include "tools/support/hash.h"
 
 namespace vantage {
 namespace {

@@ -12,10 +12,10 @@
 #include "common/format.h"
 #include "tests/perception/model_test_support.h"
 #include "tools/evaluate/detection_cache.h"
-#include "tools/evaluate/detection_hash.h"
 #include "tools/evaluate/detection_key.h"
 #include "tools/evaluate/detection_run.h"
 #include "tools/evaluate/detection_text.h"
+#include "tools/support/hash.h"
 
 namespace vantage {
 namespace {

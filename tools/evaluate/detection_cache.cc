@@ -13,8 +13,8 @@
 
 #include "common/check.h"
 #include "common/format.h"
-#include "tools/evaluate/detection_hash.h"
 #include "tools/evaluate/detection_text.h"
+#include "tools/support/hash.h"
 
 namespace vantage {
 namespace {

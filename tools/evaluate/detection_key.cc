@@ -7,7 +7,7 @@
 #include "common/parameter_text.h"
 #include "drivers/sim/sensor_text.h"
 #include "perception/estimator/estimator_text.h"
-#include "tools/evaluate/detection_hash.h"
+#include "tools/support/hash.h"
 
 // Parameters are taken apart by structured bindings: a new one does not compile until it is listed.
 

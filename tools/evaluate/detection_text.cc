@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/format.h"
-#include "tools/evaluate/detection_hash.h"
+#include "tools/support/hash.h"
 
 namespace vantage {
 namespace {

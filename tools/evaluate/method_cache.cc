@@ -15,8 +15,8 @@
 
 #include "common/format.h"
 #include "perception/model/file_bytes.h"
-#include "tools/evaluate/detection_hash.h"
 #include "tools/evaluate/detection_text.h"
+#include "tools/support/hash.h"
 
 namespace vantage {
 namespace {

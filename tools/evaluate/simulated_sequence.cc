@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "common/format.h"
-#include "tools/evaluate/detection_hash.h"
+#include "tools/support/hash.h"
 
 namespace vantage {
 namespace {
