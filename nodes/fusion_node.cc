@@ -12,6 +12,7 @@
 #include "common/time_range.h"
 #include "nodes/fusion_messages.h"
 #include "nodes/fusion_state_file.h"
+#include "planner/farthest_view.h"
 #include "vantage/arm_status_t.hpp"
 #include "vantage/detections_v2_t.hpp"
 #include "vantage/rigid_transform_t.hpp"
@@ -76,8 +77,11 @@ class FusionNode : public Node {
     bus_.RecordStage(
         "fuse", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 
-    const bool decided = views_.OnSet(
-        set->utime, set->T_world_camera, update.viewpoint, tracker_.state().viewpoints, objects);
+    const bool decided = views_.OnSet(set->utime,
+                                      set->T_world_camera,
+                                      update.viewpoint,
+                                      tracker_.state().viewpoints,
+                                      PlanObjects(objects));
     // Saved before it is told: what others have heard is never forgotten.
     if (update.changed || decided) SaveState();
     PublishObjects(objects);
@@ -94,8 +98,10 @@ class FusionNode : public Node {
       views_.OnArrived(message.view_seq, message.utime);
     } else if (message.state == arm_status_t::REFUSED) {
       const std::vector<ObjectEstimate> objects = tracker_.Estimates();
-      if (views_.OnRefused(
-              message.view_seq, message.reason, tracker_.state().viewpoints, objects)) {
+      if (views_.OnRefused(message.view_seq,
+                           message.reason,
+                           tracker_.state().viewpoints,
+                           PlanObjects(objects))) {
         SaveState();
         if (views_.finished()) PublishObjects(objects);
         PublishNextView(message.utime);
@@ -165,8 +171,8 @@ class FusionNode : public Node {
     ObjectTracker tracker = tracker_;  // Nothing was added to it yet; the priors are shared.
     if (Result<void> restored = tracker.Restore(state.tracker); !restored) return restored;
     ViewSequence views(config_.views, FarthestView());
-    if (Result<void> restored =
-            views.Restore(state.views, tracker.state().viewpoints, tracker.Estimates());
+    if (Result<void> restored = views.Restore(
+            state.views, tracker.state().viewpoints, PlanObjects(tracker.Estimates()));
         !restored) {
       return restored;
     }

@@ -1,34 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/so3.h"
-#include "fusion/object_tracker.h"
+#include "planner/view_criterion.h"
 
 namespace vantage {
-
-/// What a criterion may judge views by.
-struct PlanningState {
-  std::span<const Pose> candidates;                  ///< T_world_camera each
-  std::span<const Pose> visited;                     ///< T_world_camera of all viewpoints so far
-  std::span<const ObjectEstimate> objects;           ///< with their histograms
-  Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< m, world; what the candidates look at
-};
-
-/// A next-best-view criterion (paper 6.4): a gain for every candidate, the more the better.
-struct ViewCriterion {
-  std::string name;
-  std::function<std::vector<double>(const PlanningState&)> gains;
-};
-
-/// Gain: angle (rad), seen from the target, between the candidate and the visited view nearest to
-/// it; pi while none was visited. Needs no model of the objects: views far from each other have
-/// the least in common.
-ViewCriterion FarthestView();
 
 /// What became of a candidate so far. Neither kind is selected (again).
 struct CandidateStatus {
@@ -38,11 +19,15 @@ struct CandidateStatus {
 
 /// A candidate, judged.
 struct JudgedView {
+  /// Why it can't be selected, if it can't.
+  enum class Rejection { kNone, kVisited, kOutOfReach, kRefused, kHidden };
+
   Pose T_world_camera = Pose::Identity();
   double gain = 0.0;      ///< in the criterion's unit
   double cost = 0.0;      ///< m, straight line from where the camera is
-  bool reachable = true;  ///< False when the robot refused it
-  std::string reason;     ///< why it can't be selected; empty when it can
+  bool reachable = true;  ///< False when out of reach, in a keep-out volume or refused by the robot
+  Rejection rejection = Rejection::kNone;
+  std::string reason;  ///< of the rejection, in words; empty when there is none
 };
 
 /// The decision. `selected` is -1 when no view is left.
@@ -51,15 +36,26 @@ struct NextView {
   std::vector<JudgedView> candidates;
   int selected = -1;
   std::string reason;
+  /// nat, the most that a view left is expected to tell about objects with a confusion model; none:
+  /// the criterion's gains are not in nat.
+  std::optional<double> information;
 };
 
-/// Selects the candidate with the largest gain; of equal ones (1e-9) the nearest, then the first.
-/// @param status of each candidate.
-/// @param T_world_camera where the camera is.
+/// What a decision rests on beside the criterion.
+struct ViewChoice {
+  std::span<const CandidateStatus> status;  ///< of each candidate
+  /// Why each can't be reached, empty when it can; no texts at all: all can.
+  std::span<const std::string> out_of_reach = {};
+  Pose T_world_camera = Pose::Identity();  ///< where the camera is
+  double travel_weight = 0.0;  ///< nat/m; what a meter of way must bring, of criteria in nat
+};
+
+/// Selects the candidate with the largest utility, gain less travel weight times cost; of equal
+/// ones (1e-9) the nearest, then the first. Candidates that all objects are hidden from are left
+/// out.
 NextView SelectNextView(const PlanningState& state,
                         const ViewCriterion& criterion,
-                        std::span<const CandidateStatus> status,
-                        const Pose& T_world_camera);
+                        const ViewChoice& choice);
 
 /// Index of the candidate that a view is nearest to, by angle seen from the target, then by
 /// distance; -1 without candidates.

@@ -1,6 +1,7 @@
 #include "planner/view_sequence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/format.h"
@@ -9,25 +10,11 @@
 namespace vantage {
 namespace {
 
-// Why the sequence is done; empty when it is not, as far as objects and viewpoints tell.
-std::string FinishReason(const std::vector<Viewpoint>& viewpoints,
-                         std::span<const ObjectEstimate> objects,
-                         int max_views) {
-  int num_confirmed = 0;
-  bool all_converged = true;
-  for (const ObjectEstimate& object : objects) {
-    if (object.state != ObjectEstimate::State::kConfirmed) continue;
-    ++num_confirmed;
-    all_converged = all_converged && object.converged;
-  }
-  if (num_confirmed > 0 && all_converged) {
-    return Format(
-        "all %d confirmed objects converged after %zu views", num_confirmed, viewpoints.size());
-  }
-  if (static_cast<int>(viewpoints.size()) >= max_views) {
-    return Format("%zu views were taken, which is max_views", viewpoints.size());
-  }
-  return {};
+std::vector<std::string> FindRefusals(const ReachabilityParameters& reach,
+                                      const std::vector<Pose>& candidates) {
+  std::vector<std::string> refusals;
+  for (const Pose& candidate : candidates) refusals.push_back(ReachRefusal(reach, candidate));
+  return refusals;
 }
 
 }  // namespace
@@ -39,14 +26,23 @@ Result<void> ViewSequenceParameters::Validate() const {
                         frames_per_view,
                         max_views)};
   }
+  if (!(travel_weight >= 0.0 && std::isfinite(travel_weight))) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("travel_weight = %g nat/m, expected 0 or more", travel_weight)};
+  }
   if (Result<void> valid = viewpoint.Validate(); !valid) return valid;
+  if (Result<void> valid = reach.Validate(); !valid) return valid;
+  if (Result<void> valid = occlusion.Validate(); !valid) return valid;
+  if (Result<void> valid = stop.Validate(); !valid) return valid;
   return candidates.Validate();
 }
 
 ViewSequence::ViewSequence(const ViewSequenceParameters& parameters, ViewCriterion criterion)
     : parameters_(parameters),
       criterion_(std::move(criterion)),
-      candidates_(MakeViewCandidates(parameters.candidates)) {
+      candidates_(MakeViewCandidates(parameters.candidates)),
+      out_of_reach_(FindRefusals(parameters.reach, candidates_)),
+      occlusion_(parameters.occlusion) {
   state_.status.resize(candidates_.size());
 }
 
@@ -54,7 +50,7 @@ bool ViewSequence::OnSet(int64_t utime,
                          const Pose& T_world_camera,
                          int viewpoint,
                          const std::vector<Viewpoint>& viewpoints,
-                         std::span<const ObjectEstimate> objects) {
+                         std::span<const PlannedObject> objects) {
   const Viewpoint& current = viewpoints[static_cast<size_t>(viewpoint)];
   // A robot that is not exact may end where it was before: the selected view is done then, too.
   if (IsAtSelected(utime, T_world_camera)) ++num_sets_at_selected_;
@@ -82,7 +78,7 @@ bool ViewSequence::IsAtSelected(int64_t utime, const Pose& T_world_camera) {
 bool ViewSequence::OnRefused(int64_t decision,
                              const std::string& reason,
                              const std::vector<Viewpoint>& viewpoints,
-                             std::span<const ObjectEstimate> objects) {
+                             std::span<const PlannedObject> objects) {
   if (decision != this->decision() || state_.selected < 0) return false;
   state_.status[static_cast<size_t>(state_.selected)].refusal =
       reason.empty() ? "refused by the robot" : reason;
@@ -111,27 +107,35 @@ void ViewSequence::MarkVisited(const std::vector<Viewpoint>& viewpoints) {
 }
 
 NextView ViewSequence::Select(const std::vector<Viewpoint>& viewpoints,
-                              std::span<const ObjectEstimate> objects) const {
+                              std::span<const PlannedObject> objects) {
   std::vector<Pose> visited;
   for (const Viewpoint& viewpoint : viewpoints) visited.push_back(viewpoint.T_world_camera);
-  return SelectNextView({candidates_, visited, objects, parameters_.candidates.target},
-                        criterion_,
-                        state_.status,
-                        state_.T_world_camera);
+  const PlanningState state{candidates_,
+                            visited,
+                            objects,
+                            parameters_.candidates.target,
+                            occlusion_.Find(candidates_, objects)};
+  return SelectNextView(
+      state,
+      criterion_,
+      {state_.status, out_of_reach_, state_.T_world_camera, parameters_.travel_weight});
 }
 
 void ViewSequence::Decide(int64_t number,
                           const std::vector<Viewpoint>& viewpoints,
-                          std::span<const ObjectEstimate> objects) {
+                          std::span<const PlannedObject> objects) {
   MarkVisited(viewpoints);
   next_view_ = Select(viewpoints, objects);
-  if (next_view_.selected < 0) state_.finished = true;
-  const std::string done = FinishReason(viewpoints, objects, parameters_.max_views);
+  std::string done =
+      StopReason(parameters_.stop, objects, next_view_.information, viewpoints.size());
+  if (done.empty() && static_cast<int>(viewpoints.size()) >= parameters_.max_views) {
+    done = Format("%zu views were taken, which is max_views", viewpoints.size());
+  }
   if (!done.empty()) {
-    state_.finished = true;
     next_view_.selected = -1;
     next_view_.reason = done;
   }
+  state_.finished = state_.finished || next_view_.selected < 0;
   state_.decision = number;
   state_.selected = next_view_.selected;
   state_.reason = next_view_.reason;
@@ -141,7 +145,7 @@ void ViewSequence::Decide(int64_t number,
 
 Result<void> ViewSequence::Restore(const ViewSequenceState& state,
                                    const std::vector<Viewpoint>& viewpoints,
-                                   std::span<const ObjectEstimate> objects) {
+                                   std::span<const PlannedObject> objects) {
   if (state.status.size() != candidates_.size()) {
     return Error{ErrorCode::kInvalidArgument,
                  Format("the saved state has %zu view candidates, expected %zu",

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "common/result.h"
-#include "fusion/object_tracker.h"
 #include "fusion/viewpoints.h"
 #include "planner/next_best_view.h"
+#include "planner/occlusion.h"
+#include "planner/reachability.h"
+#include "planner/stop_rule.h"
 #include "planner/view_candidates.h"
 
 namespace vantage {
@@ -16,8 +18,12 @@ namespace vantage {
 struct ViewSequenceParameters {
   ViewCandidateParameters candidates{};
   ViewpointParameters viewpoint{};  ///< candidates so near to a viewpoint are visited with it
-  int frames_per_view = 2;          ///< detection sets to be used from a view before the next
-  int max_views = 8;                ///< viewpoints after which it ends
+  ReachabilityParameters reach{};
+  OcclusionParameters occlusion{};
+  StopParameters stop{};
+  double travel_weight = 0.02;  ///< nat/m; what a meter of way must bring
+  int frames_per_view = 2;      ///< detection sets to be used from a view before the next
+  int max_views = 8;            ///< viewpoints after which it ends
 
   Result<void> Validate() const;
 };
@@ -33,7 +39,8 @@ struct ViewSequenceState {
 };
 
 /// Leads from view to view: decides when enough was seen from one, where to go next, and when it is
-/// done: all confirmed objects converged, as many views taken as allowed, or no view left.
+/// done: nothing left to be found out (StopReason), as many views taken as allowed, or no view
+/// left.
 class ViewSequence {
  public:
   ViewSequence(const ViewSequenceParameters& parameters, ViewCriterion criterion);
@@ -47,12 +54,12 @@ class ViewSequence {
              const Pose& T_world_camera,
              int viewpoint,
              const std::vector<Viewpoint>& viewpoints,
-             std::span<const ObjectEstimate> objects);
+             std::span<const PlannedObject> objects);
   /// The robot can't go to the view of decision `decision`. Returns true on a new decision.
   bool OnRefused(int64_t decision,
                  const std::string& reason,
                  const std::vector<Viewpoint>& viewpoints,
-                 std::span<const ObjectEstimate> objects);
+                 std::span<const PlannedObject> objects);
   /// The robot rests at the view of decision `decision` since `utime` or before.
   void OnArrived(int64_t decision, int64_t utime);
 
@@ -68,20 +75,22 @@ class ViewSequence {
   /// Goes on from a state. Errors: it is of another set of candidates.
   Result<void> Restore(const ViewSequenceState& state,
                        const std::vector<Viewpoint>& viewpoints,
-                       std::span<const ObjectEstimate> objects);
+                       std::span<const PlannedObject> objects);
 
  private:
   [[nodiscard]] bool IsAtSelected(int64_t utime, const Pose& T_world_camera);
   void MarkVisited(const std::vector<Viewpoint>& viewpoints);
   void Decide(int64_t number,
               const std::vector<Viewpoint>& viewpoints,
-              std::span<const ObjectEstimate> objects);
+              std::span<const PlannedObject> objects);
   [[nodiscard]] NextView Select(const std::vector<Viewpoint>& viewpoints,
-                                std::span<const ObjectEstimate> objects) const;
+                                std::span<const PlannedObject> objects);
 
   ViewSequenceParameters parameters_;
   ViewCriterion criterion_;
   std::vector<Pose> candidates_;
+  std::vector<std::string> out_of_reach_;  // By candidate, why; empty: it is not.
+  OcclusionCache occlusion_;
   ViewSequenceState state_;
   NextView next_view_;
   int64_t arrival_utime_ = -1;  // At the selected view; -1: under way.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fusion/state_text.h"
+#include "planner/farthest_view.h"
 
 namespace vantage {
 namespace {
@@ -35,7 +36,7 @@ class Camera {
   ViewSequence& sequence_;
   int64_t utime_ = 0;
   std::vector<Viewpoint> viewpoints_;
-  std::vector<ObjectEstimate> objects_;
+  std::vector<PlannedObject> objects_;
 };
 
 const Pose kStart = LookAt(Eigen::Vector3d(0.0, -0.53, 0.53), Eigen::Vector3d::Zero());
@@ -140,10 +141,10 @@ TEST(ViewSequence, NumbersOfTwoLivesNeverCoincide) {
 TEST(ViewSequence, FinishesWhenAllConfirmedObjectsConverged) {
   ViewSequence sequence({}, FarthestView());
   Camera camera(sequence);
-  ObjectEstimate object;
-  object.state = ObjectEstimate::State::kConfirmed;
+  PlannedObject object;
+  object.confirmed = true;
   camera.objects_ = {object, object, object};
-  camera.objects_[2].state = ObjectEstimate::State::kTentative;
+  camera.objects_[2].confirmed = false;
   camera.objects_[0].converged = true;
   camera.Set(kStart);
   camera.Set(kStart);
