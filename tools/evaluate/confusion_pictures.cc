@@ -119,17 +119,13 @@ RgbImage DrawSymmetryWeights(const ContingencyTable& table, double least_angle) 
   return RenderSphereDensity(samples, {});
 }
 
-RgbImage DrawHistogram(const CellWeights& weights,
-                       const Eigen::Quaterniond& q_truth,
-                       double background) {
+RgbImage DrawHistogram(const CellWeights& weights, const Eigen::Quaterniond& q_truth) {
   const So3Grid& grid = weights.grid();
   std::vector<SphereSample> samples;
   for (const CellWeights::Entry& entry : weights.Entries()) {
-    const double weight = static_cast<double>(entry.weight) - background;
-    if (weight <= 0.0) continue;
     const Eigen::Quaterniond q = q_truth.conjugate() * grid.Representative(entry.cell);
-    samples.push_back({DirectionOfOrientation(q).cast<float>(),
-                       static_cast<float>(weight * grid.Area(entry.cell))});
+    const double mass = static_cast<double>(entry.weight) * grid.Area(entry.cell);
+    samples.push_back({DirectionOfOrientation(q).cast<float>(), static_cast<float>(mass)});
   }
   return RenderSphereDensity(samples, {});
 }

@@ -28,9 +28,6 @@ RgbImage DrawConfusionMatrix(const ContingencyTable& table,
 RgbImage DrawSymmetryWeights(const ContingencyTable& table, double least_angle);
 
 /// The cells of a histogram as points (q_truth* q_r) v1: the truth is at (1, 1, 1) / sqrt(3).
-/// @param background weight per cell that stands for nothing in particular; taken off.
-RgbImage DrawHistogram(const CellWeights& weights,
-                       const Eigen::Quaterniond& q_truth,
-                       double background);
+RgbImage DrawHistogram(const CellWeights& weights, const Eigen::Quaterniond& q_truth);
 
 }  // namespace vantage
