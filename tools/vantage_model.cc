@@ -100,6 +100,23 @@ void PrintMending(const MeshMending& mending) {
   if (mending.flipped) std::printf("the mesh was inside out: turned all triangles\n");
 }
 
+// What was measured, and what to make of it where a model can't hold all of it.
+void PrintFound(const FoundSymmetry& found, double diameter) {
+  std::printf("%s", FoundSymmetryText(found).c_str());
+  constexpr double kFarOff = 0.01;
+  std::printf("axes pass   %.2f mm from the center (%.2f %% of the diameter)%s\n",
+              1e3 * found.center_offset,
+              100.0 * found.center_offset / diameter,
+              found.center_offset > kFarOff * diameter
+                  ? ": the mesh is uneven, mind the positions of turned copies"
+                  : "");
+  if (found.is_sphere) {
+    std::printf(
+        "the object is the same from all sides; the model says continuous about z with "
+        "flips, which is the most that it can: use its position, not its orientation\n");
+  }
+}
+
 Result<void> Build(const Arguments& arguments) {
   const fs::path file = arguments.mesh;
   fs::path folder = fs::path(arguments.output).lexically_normal();
@@ -122,10 +139,14 @@ Result<void> Build(const Arguments& arguments) {
   if (!mending) {
     return Error{mending.error().code, file.string() + ": " + mending.error().message};
   }
+  FoundSymmetry found;
   if (is_measured) {
-    symmetry = MeasureSymmetry(*mesh);
-    if (!symmetry)
-      return Error{symmetry.error().code, file.string() + ": " + symmetry.error().message};
+    const Result<FoundSymmetry> measured = MeasureSymmetry(*mesh);
+    if (!measured) {
+      return Error{measured.error().code, file.string() + ": " + measured.error().message};
+    }
+    found = *measured;
+    symmetry = found.group;
   }
   const std::string source = file.filename().string() + ", unit " + arguments.unit;
   const Result<ObjectModel> model =
@@ -135,6 +156,7 @@ Result<void> Build(const Arguments& arguments) {
   if (!saved) return saved;
   PrintMending(*mending);
   PrintSummary(*model);
+  if (is_measured) PrintFound(found, model->diameter);
   return {};
 }
 

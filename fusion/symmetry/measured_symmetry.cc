@@ -1,282 +1,391 @@
 #include "fusion/symmetry/measured_symmetry.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/format.h"
-#include "fusion/symmetry/nearest_surface.h"
-#include "fusion/quaternion_mean.h"
 #include "fusion/so3_grid.h"
+#include "fusion/symmetry/closed_group.h"
+#include "fusion/symmetry/turned_surface.h"
 
 namespace vantage {
 namespace {
 
-constexpr double kSame = 5.0 * kDegree;  // Rotations closer than that are one.
-constexpr size_t kLargestGroup = 120;    // Twice the icosahedron's, and Cyclic(120): 3 degrees.
+using Motion = TurnedSurface::Motion;
 
-// Distances to a surface, tabulated on a lattice over a cube about 0 and interpolated: coarse, but
-// a thousand times as fast as a search.
-class DistanceField {
- public:
-  // @param reach m, half the cube's edge.
-  DistanceField(const NearestSurface& surface, double reach) : reach_(reach) {
-    values_.reserve(kSize * kSize * kSize);
-    for (size_t x = 0; x < kSize; ++x) {
-      for (size_t y = 0; y < kSize; ++y) {
-        for (size_t z = 0; z < kSize; ++z) {
-          values_.push_back(surface.Nearest({At(x), At(y), At(z)}).distance);
-        }
-      }
-    }
+constexpr double kSame = 5.0 * kDegree;    // Rotations closer than that are one.
+constexpr double kClear = 20.0 * kDegree;  // Rotations from here on have a certain axis.
+constexpr double kGolden = std::numbers::pi * 0.76393202250021030;  // 3 - sqrt(5): fills a circle.
+
+struct Candidate {
+  Motion motion;
+  double error;  // Diameters.
+};
+
+Eigen::Quaterniond RotationOf(const Motion& motion) {
+  return Eigen::Quaterniond(motion.linear).normalized();
+}
+
+Eigen::Matrix3d Turn(const Eigen::Vector3d& axis, double angle) {
+  return ExpSo3(std::remainder(angle, 2.0 * std::numbers::pi) * axis).toRotationMatrix();
+}
+
+// The point, nearest to the centroid, about which motions turn: the least squares solution of
+// (I - R) p = t over all of them.
+Eigen::Vector3d CommonCenter(std::span<const Motion> motions) {
+  Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
+  for (const Motion& motion : motions) {
+    const Eigen::Matrix3d a = Eigen::Matrix3d::Identity() - motion.linear;
+    normal_matrix += a.transpose() * a;
+    right_side += a.transpose() * motion.shift;
   }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(normal_matrix);
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double value = solver.eigenvalues()[i];
+    // Along a common axis every point is as good.
+    if (value < 1e-3 * solver.eigenvalues()[2] || value <= 0.0) continue;
+    const Eigen::Vector3d direction = solver.eigenvectors().col(i);
+    center += direction * (direction.dot(right_side) / value);
+  }
+  return center;
+}
 
-  [[nodiscard]] double Distance(const Eigen::Vector3d& point) const {
-    std::array<size_t, 3> low{};
-    std::array<double, 3> share{};
-    for (size_t i = 0; i < 3; ++i) {
-      const double place = (point[static_cast<Eigen::Index>(i)] / reach_ + 1.0) * kHalf;
-      const double clamped = std::clamp(place, 0.0, 2.0 * kHalf - 1e-6);
-      low[i] = static_cast<size_t>(clamped);
-      share[i] = clamped - static_cast<double>(low[i]);
+// The principal axis of rotation axes (paper 6.3), each counted by how certain it is.
+Eigen::Vector3d PrincipalAxis(std::span<const Motion> motions) {
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  for (const Motion& motion : motions) {
+    const Eigen::Vector3d part = RotationOf(motion).vec();
+    moments += part * part.transpose();
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moments).eigenvectors().col(2);
+}
+
+bool IsNear(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double angle) {
+  return a.cross(b).norm() < std::sin(angle);
+}
+
+// A finite group about a common center.
+struct FiniteGroup {
+  std::vector<Eigen::Quaterniond> elements = {Eigen::Quaterniond::Identity()};
+  std::vector<double> errors = {0.0};  // Diameters.
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+};
+
+// All rotations about an axis.
+struct Revolution {
+  Eigen::Vector3d axis;
+  Eigen::Vector3d center;
+  double error;  // Diameters, of the worst.
+};
+
+class SymmetrySearch {
+ public:
+  SymmetrySearch(const TriangleMesh& mesh, const MeasuredSymmetryParameters& parameters)
+      : parameters_(parameters),
+        object_(mesh, parameters.num_samples, parameters.seed),
+        tolerance_(parameters.tolerance) {}
+
+  FoundSymmetry Run() {
+    FindCandidates();
+    const std::vector<Revolution> revolutions = FindRevolutions();
+    FoundSymmetry found;
+    if (revolutions.size() > 1) {
+      found.is_sphere = true;
+      found.group = SymmetryGroup::Continuous(Eigen::Vector3d::UnitZ(), true);
+      found.residual = std::max(revolutions[0].error, revolutions[1].error);
+      found.confidence = Weight(found.residual);
+      SetCenter(CommonSphereCenter(revolutions), &found);
+      return found;
     }
-    double sum = 0.0;
-    for (size_t corner = 0; corner < 8; ++corner) {
-      double weight = 1.0;
-      size_t index = 0;
-      for (size_t i = 0; i < 3; ++i) {
-        const size_t step = (corner >> i) & 1U;
-        weight *= step == 1 ? share[i] : 1.0 - share[i];
-        index = index * kSize + low[i] + step;
-      }
-      sum += weight * values_[index];
-    }
-    return sum;
+    found = revolutions.empty() ? Finite() : Continuous(revolutions.front());
+    AddMirrors(&found);
+    return found;
   }
 
  private:
-  static constexpr size_t kSize = 41;
-  static constexpr double kHalf = 0.5 * (kSize - 1);
-
-  [[nodiscard]] double At(size_t i) const {
-    return reach_ * (static_cast<double>(i) / kHalf - 1.0);
+  // Root of the mean squared distance and of the centroid's way, diameters.
+  [[nodiscard]] double Error(const Motion& motion) const {
+    const double mse = object_.Mse(motion) + motion.shift.squaredNorm();
+    return std::sqrt(mse) / object_.diameter();
   }
 
-  double reach_;
-  std::vector<double> values_;
-};
+  // Paper eq. 14, 0.5 at the tolerance.
+  [[nodiscard]] double Weight(double error) const {
+    const double ratio = error / tolerance_;
+    return std::exp2(-std::pow(ratio, 4));
+  }
 
-// A mesh moved so that its surface's centroid is at 0, and samples of it.
-class TurnedSurface {
- public:
-  TurnedSurface(const TriangleMesh& centered, const MeasuredSymmetryParameters& parameters)
-      : surface_(centered), bound_(parameters.tolerance * centered.Diameter()) {
-    Rng rng(parameters.seed);
-    const auto count = static_cast<size_t>(parameters.num_samples);
-    for (const SurfacePoint& point : SampleSurface(centered, count, rng)) {
-      samples_.push_back(point.position.cast<double>());
+  [[nodiscard]] Candidate Refined(const Eigen::Matrix3d& linear) const {
+    constexpr int kUsed = 200;
+    const Motion motion = object_.Register({linear, Eigen::Vector3d::Zero()}, kUsed);
+    return {motion, Error(motion)};
+  }
+
+  [[nodiscard]] double CoarseError(const Motion& motion) const {
+    return std::sqrt(object_.CoarseMse(motion)) / object_.diameter();
+  }
+
+  // False where a few samples already tell that no symmetry lies near.
+  [[nodiscard]] bool MayBeNearSymmetry(const Eigen::Matrix3d& linear) const {
+    constexpr int kFew = 60;
+    const double loose = 2.5 * parameters_.tolerance;
+    return CoarseError(object_.Register({linear, Eigen::Vector3d::Zero()}, kFew)) <= loose;
+  }
+
+  // The representative orientations of least error, none near another.
+  [[nodiscard]] std::vector<Eigen::Quaterniond> CoarseMinima() const {
+    constexpr double kHopeless = 0.1;  // Diameters; the grid alone makes half of that.
+    constexpr size_t kMost = 150;
+    struct Tried {
+      Eigen::Quaterniond turn;
+      double error;
+    };
+    const So3Grid grid(parameters_.k);
+    std::vector<Tried> tried;
+    for (const So3Grid::Cell cell : grid.ValidCells()) {
+      const Eigen::Quaterniond turn = grid.Representative(cell);
+      const double error = CoarseError({turn.toRotationMatrix(), Eigen::Vector3d::Zero()});
+      if (error < kHopeless) tried.push_back({turn, error});
     }
-  }
-
-  // Mean squared distance of every n-th sample, turned, to the surface, m^2.
-  [[nodiscard]] double Mse(const Eigen::Quaterniond& turn, size_t stride = 1) const {
-    const Eigen::Matrix3d R = turn.toRotationMatrix();
-    double sum = 0.0;
-    for (size_t i = 0; i < samples_.size(); i += stride) {
-      const double distance = surface_.Nearest(R * samples_[i]).distance;
-      sum += distance * distance;
-    }
-    return sum * static_cast<double>(stride) / static_cast<double>(samples_.size());
-  }
-
-  [[nodiscard]] bool IsSymmetry(const Eigen::Quaterniond& turn) const { return Allows(Mse(turn)); }
-  [[nodiscard]] bool Allows(double mse) const { return mse <= bound_ * bound_; }
-
-  // False where a few samples already tell that no symmetry lies near `turn`.
-  [[nodiscard]] bool MayBeNearSymmetry(const Eigen::Quaterniond& turn) const {
-    constexpr size_t kFew = 50;
-    const size_t stride = samples_.size() / kFew;
-    const double loose = 3.0 * bound_;
-    return Mse(Refine(turn, kFew), stride) <= loose * loose;
-  }
-
-  // The minimum of the error near `turn`: Gauss-Newton on the distances to the tangent planes of
-  // the nearest points (Chen and Medioni 1992), rotation only.
-  // @param count of the samples that take part.
-  [[nodiscard]] Eigen::Quaterniond Refine(Eigen::Quaterniond turn, size_t count = 200) const {
-    constexpr int kSteps = 12;
-    const size_t stride = std::max<size_t>(1, samples_.size() / count);
-    for (int step = 0; step < kSteps; ++step) {
-      const Eigen::Matrix3d R = turn.toRotationMatrix();
-      Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
-      Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
-      for (size_t i = 0; i < samples_.size(); i += stride) {
-        const Eigen::Vector3d point = R * samples_[i];
-        const NearestSurface::Hit hit = surface_.Nearest(point);
-        const Eigen::Vector3d jacobian = point.cross(hit.normal);
-        normal_matrix += jacobian * jacobian.transpose();
-        right_side -= jacobian * hit.normal.dot(point - hit.point);
-      }
-      // Damped: along a continuous symmetry nothing changes.
-      normal_matrix.diagonal().array() += 1e-6 * normal_matrix.trace() + 1e-30;
-      Eigen::Vector3d change = normal_matrix.ldlt().solve(right_side);
-      constexpr double kLongest = 10.0 * kDegree;
-      if (change.norm() > kLongest) change *= kLongest / change.norm();
-      turn = (ExpSo3(change) * turn).normalized();
-      if (change.norm() < 1e-6) break;
-    }
-    return turn;
-  }
-
-  [[nodiscard]] const NearestSurface& surface() const { return surface_; }
-  [[nodiscard]] const std::vector<Eigen::Vector3d>& samples() const { return samples_; }
-
- private:
-  NearestSurface surface_;
-  double bound_;  // m, of the root mean square distance.
-  std::vector<Eigen::Vector3d> samples_;
-};
-
-struct TriedRotation {
-  Eigen::Quaterniond turn;
-  double mse;
-};
-
-void SortByError(std::vector<TriedRotation>* tried) {
-  std::stable_sort(
-      tried->begin(), tried->end(), [](const auto& a, const auto& b) { return a.mse < b.mse; });
-}
-
-// The representative orientations of least error, none near another.
-std::vector<TriedRotation> CoarseMinima(const TurnedSurface& object, int k) {
-  double reach = 0.0;
-  for (const Eigen::Vector3d& sample : object.samples()) reach = std::max(reach, sample.norm());
-  const DistanceField field(object.surface(), reach);
-  const So3Grid grid(k);
-  std::vector<TriedRotation> tried;
-  for (const So3Grid::Cell cell : grid.ValidCells()) {
-    const Eigen::Quaterniond turn = grid.Representative(cell);
-    const Eigen::Matrix3d R = turn.toRotationMatrix();
-    double sum = 0.0;
-    for (const Eigen::Vector3d& sample : object.samples()) {
-      const double distance = field.Distance(R * sample);
-      sum += distance * distance;
-    }
-    tried.push_back({turn, sum / static_cast<double>(object.samples().size())});
-  }
-  SortByError(&tried);
-  constexpr size_t kMost = 200;
-  const double apart = 88.0 / k * kDegree;  // About the distance of the grid's neighbors.
-  std::vector<TriedRotation> minima;
-  for (const TriedRotation& one : tried) {
-    if (minima.size() == kMost) break;
-    const bool is_near = std::any_of(minima.begin(), minima.end(), [&](const TriedRotation& other) {
-      return GeodesicAngle(one.turn, other.turn) < apart;
+    std::stable_sort(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) {
+      return a.error < b.error;
     });
-    if (!is_near) minima.push_back(one);
+    const double apart = 88.0 / parameters_.k * kDegree;  // About the distance of neighbors.
+    std::vector<Eigen::Quaterniond> minima;
+    for (const Tried& one : tried) {
+      if (minima.size() == kMost) break;
+      if (!FindElement(minima, one.turn, apart)) minima.push_back(one.turn);
+    }
+    return minima;
   }
-  return minima;
-}
 
-std::optional<size_t> Find(const std::vector<Eigen::Quaterniond>& group,
-                           const Eigen::Quaterniond& turn) {
-  for (size_t i = 0; i < group.size(); ++i) {
-    if (GeodesicAngle(group[i], turn) < kSame) return i;
+  // Registered rotations, best first, none near another; and the tolerance that they tell.
+  void FindCandidates() {
+    for (const Eigen::Quaterniond& minimum : CoarseMinima()) {
+      const Eigen::Matrix3d linear = minimum.toRotationMatrix();
+      if (!MayBeNearSymmetry(linear)) continue;
+      const Candidate candidate = Refined(linear);
+      const Eigen::Quaterniond turn = RotationOf(candidate.motion);
+      if (GeodesicAngle(turn, Eigen::Quaterniond::Identity()) < kClear) continue;
+      const bool is_known =
+          std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
+            return GeodesicAngle(turn, RotationOf(other.motion)) < 0.2 * kSame;
+          });
+      if (!is_known) candidates_.push_back(candidate);
+    }
+    std::stable_sort(candidates_.begin(),
+                     candidates_.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.error < b.error; });
+    if (candidates_.empty()) return;
+    tolerance_ = std::clamp(parameters_.unevenness_factor * candidates_.front().error,
+                            parameters_.least_tolerance,
+                            parameters_.tolerance);
   }
-  return std::nullopt;
-}
 
-// The smallest group that holds both; none when a product is no symmetry.
-std::optional<std::vector<Eigen::Quaterniond>> Join(const TurnedSurface& object,
-                                                    std::vector<Eigen::Quaterniond> group,
-                                                    const Eigen::Quaterniond& turn) {
-  group.push_back(turn);
-  for (size_t i = 0; i < group.size(); ++i) {
-    for (size_t j = 0; j <= i; ++j) {
-      for (const Eigen::Quaterniond& product : {group[i] * group[j], group[j] * group[i]}) {
-        if (Find(group, product)) continue;
-        const Eigen::Quaterniond refined = object.Refine(product);
-        if (group.size() == kLargestGroup || Find(group, refined) || !object.IsSymmetry(refined)) {
-          return std::nullopt;
-        }
-        group.push_back(refined);
+  // Axes about which every rotation is a symmetry, at most two, far from each other.
+  [[nodiscard]] std::vector<Revolution> FindRevolutions() const {
+    std::vector<Eigen::Vector3d> tried;
+    std::vector<Revolution> found;
+    for (const Candidate& candidate : candidates_) {
+      if (candidate.error > tolerance_) break;
+      const Eigen::Vector3d axis = LogSo3(RotationOf(candidate.motion)).normalized();
+      if (!found.empty() && IsNear(axis, found.front().axis, 20.0 * kDegree)) continue;
+      const bool is_known = std::any_of(tried.begin(), tried.end(), [&](const auto& other) {
+        return IsNear(axis, other, 2.0 * kDegree);
+      });
+      if (is_known) continue;
+      tried.push_back(axis);
+      const std::optional<Revolution> revolution = RevolutionAbout(axis);
+      if (revolution) found.push_back(*revolution);
+      if (found.size() == 2) break;
+    }
+    return found;
+  }
+
+  [[nodiscard]] std::optional<Revolution> RevolutionAbout(const Eigen::Vector3d& near) const {
+    constexpr int kRegistered = 6;
+    std::vector<Motion> motions;
+    for (int i = 1; i <= kRegistered; ++i) {
+      const Motion motion = Refined(Turn(near, i * kGolden)).motion;
+      const Eigen::Vector3d turn = LogSo3(RotationOf(motion));
+      // Some slide to no turn at all.
+      if (turn.norm() > kClear && IsNear(turn.normalized(), near, 10.0 * kDegree)) {
+        motions.push_back(motion);
       }
     }
+    if (motions.size() < 2) return std::nullopt;
+    Revolution result{PrincipalAxis(motions), CommonCenter(motions), 0.0};
+    Eigen::Index largest = 0;
+    result.axis.cwiseAbs().maxCoeff(&largest);
+    if (result.axis[largest] < 0.0) result.axis = -result.axis;
+    result.center -= result.axis * result.axis.dot(result.center);
+    constexpr int kAngles = 32;  // Multiples of the golden angle hit every gap between teeth.
+    for (int i = 1; i <= kAngles; ++i) {
+      const Motion motion = Motion::About(Turn(result.axis, i * kGolden), result.center);
+      result.error = std::max(result.error, Error(motion));
+      if (result.error > tolerance_) return std::nullopt;
+    }
+    return result;
   }
-  return group;
-}
 
-// Makes the products of a measured group its elements to rounding: each element becomes the mean
-// of all quotients that should equal it.
-void MakeExact(std::vector<Eigen::Quaterniond>* group) {
-  for (int round = 0; round < 3; ++round) {
-    std::vector<Eigen::Quaterniond> better;
-    for (const Eigen::Quaterniond& element : *group) {
-      std::vector<WeightedOrientation> quotients;
-      for (const Eigen::Quaterniond& other : *group) {
-        const std::optional<size_t> product = Find(*group, element * other);
-        if (product) quotients.push_back({(*group)[*product] * other.conjugate(), 1.0});
+  [[nodiscard]] static Eigen::Vector3d CommonSphereCenter(const std::vector<Revolution>& axes) {
+    std::vector<Motion> half_turns;
+    for (const Revolution& one : axes) {
+      half_turns.push_back(Motion::About(Turn(one.axis, std::numbers::pi), one.center));
+    }
+    return CommonCenter(half_turns);
+  }
+
+  void SetCenter(const Eigen::Vector3d& center, FoundSymmetry* found) const {
+    found->center = object_.centroid() + center;
+    found->center_offset = center.norm();
+  }
+
+  [[nodiscard]] FoundSymmetry Continuous(const Revolution& revolution) const {
+    const Eigen::Vector3d across = revolution.axis.unitOrthogonal();
+    std::vector<Motion> motions = {
+        Motion::About(Turn(revolution.axis, std::numbers::pi), revolution.center)};
+    std::vector<Eigen::Matrix3d> flips;
+    constexpr int kFlips = 4;
+    for (int i = 0; i < kFlips; ++i) {
+      const Eigen::Vector3d about = Turn(revolution.axis, i * kGolden) * across;
+      flips.push_back(Turn(about, std::numbers::pi));
+      motions.push_back(Refined(flips.back()).motion);
+    }
+    // Only the place along the axis is new.
+    const Eigen::Vector3d along = revolution.axis * revolution.axis.dot(CommonCenter(motions));
+    double flip_error = 0.0;
+    for (const Eigen::Matrix3d& flip : flips) {
+      flip_error = std::max(flip_error, Error(Motion::About(flip, revolution.center + along)));
+    }
+    const bool is_flipping = flip_error <= tolerance_;
+    FoundSymmetry found;
+    found.group = SymmetryGroup::Continuous(revolution.axis, is_flipping);
+    found.axes = AxesOf(found.group, {Weight(revolution.error), Weight(flip_error)});
+    found.residual = is_flipping ? std::max(revolution.error, flip_error) : revolution.error;
+    const double of_flips = is_flipping ? Weight(flip_error) : 1.0 - Weight(flip_error);
+    found.confidence = std::min(Weight(revolution.error), of_flips);
+    SetCenter(is_flipping ? Eigen::Vector3d(revolution.center + along) : revolution.center, &found);
+    return found;
+  }
+
+  // Makes rotations a group about one center; none when it is no symmetry as a whole.
+  [[nodiscard]] std::optional<FiniteGroup> Judged(std::vector<Eigen::Quaterniond> elements) const {
+    MakeExact(&elements, kSame);
+    std::vector<Motion> motions;
+    for (const Eigen::Quaterniond& element : elements) {
+      if (&element == &elements.front()) continue;
+      motions.push_back(Refined(element.toRotationMatrix()).motion);
+    }
+    FiniteGroup group{std::move(elements), {}, CommonCenter(motions)};
+    for (const Eigen::Quaterniond& element : group.elements) {
+      const double error = Error(Motion::About(element.toRotationMatrix(), group.center));
+      if (error > tolerance_) return std::nullopt;
+      group.errors.push_back(error);
+    }
+    return group;
+  }
+
+  [[nodiscard]] FoundSymmetry Finite() const {
+    const auto find = [this](const Eigen::Quaterniond& near) -> std::optional<Eigen::Quaterniond> {
+      const Candidate candidate = Refined(near.toRotationMatrix());
+      if (candidate.error > tolerance_) return std::nullopt;
+      return RotationOf(candidate.motion);
+    };
+    FiniteGroup group;
+    double rejected = 0.0;  // Weight of the best rotation that is not in the group.
+    for (const Candidate& candidate : candidates_) {
+      const Eigen::Quaterniond turn = RotationOf(candidate.motion);
+      if (FindElement(group.elements, turn, kSame)) continue;
+      std::optional<FiniteGroup> larger;
+      if (candidate.error <= tolerance_) {
+        const auto joined = JoinGroup(group.elements, turn, kSame, find);
+        if (joined) larger = Judged(*joined);
       }
-      better.push_back(WeightedMean(quotients));
+      if (larger) {
+        group = *larger;
+      } else {
+        rejected = std::max(rejected, Weight(candidate.error));
+      }
     }
-    *group = better;
+    FoundSymmetry found;
+    found.group.elements = group.elements;
+    std::vector<double> weights;
+    for (const double error : group.errors) weights.push_back(Weight(error));
+    found.axes = AxesOf(found.group, weights);
+    if (!found.axes.empty()) found.group.axis = found.axes.front().direction;
+    found.residual = *std::max_element(group.errors.begin(), group.errors.end());
+    found.confidence = std::min(Weight(found.residual), 1.0 - rejected);
+    SetCenter(group.center, &found);
+    return found;
   }
-  group->front() = Eigen::Quaterniond::Identity();
-}
 
-bool IsContinuousAxis(const TurnedSurface& object, const Eigen::Vector3d& axis) {
-  constexpr int kAngles = 32;
-  for (int i = 1; i <= kAngles; ++i) {
-    // Multiples of the golden angle hit every gap between the teeth of a wheel.
-    const double angle = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
-    if (!object.IsSymmetry(ExpSo3(std::remainder(angle, 2.0 * std::numbers::pi) * axis))) {
-      return false;
+  // Normals of the planes that reflections are tried about.
+  [[nodiscard]] std::vector<Eigen::Vector3d> MirrorCandidates(const FoundSymmetry& found) const {
+    if (found.group.kind == SymmetryGroup::Kind::kContinuous) {
+      return {found.group.axis, found.group.axis.unitOrthogonal()};
     }
-  }
-  return true;
-}
-
-// Axes about which every rotation is a symmetry, at most two, far from each other.
-std::vector<Eigen::Vector3d> ContinuousAxes(const TurnedSurface& object,
-                                            const std::vector<TriedRotation>& symmetries) {
-  const auto is_near = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b, double angle) {
-    return a.cross(b).norm() < std::sin(angle);
-  };
-  std::vector<Eigen::Vector3d> tried;
-  std::vector<Eigen::Vector3d> found;
-  for (const TriedRotation& symmetry : symmetries) {
-    const Eigen::Vector3d turn = LogSo3(symmetry.turn);
-    if (turn.norm() < 30.0 * kDegree) continue;  // Its axis is uncertain.
-    const Eigen::Vector3d axis = turn.normalized();
-    if (!found.empty() && is_near(axis, found.front(), 20.0 * kDegree)) continue;
-    const bool is_known = std::any_of(tried.begin(), tried.end(), [&](const auto& other) {
-      return is_near(axis, other, 2.0 * kDegree);
+    struct Tried {
+      Eigen::Vector3d normal;
+      double error;
+    };
+    constexpr int kDirections = 600;  // Of half the sphere: some 6 degrees apart.
+    constexpr size_t kMost = 12;
+    std::vector<Tried> tried;
+    for (int i = 0; i < kDirections; ++i) {
+      const double z = (i + 0.5) / kDirections;
+      const double r = std::sqrt(1.0 - z * z);
+      const Eigen::Vector3d n(r * std::cos(i * kGolden), r * std::sin(i * kGolden), z);
+      tried.push_back({n, CoarseError({Reflection(n), Eigen::Vector3d::Zero()})});
+    }
+    std::stable_sort(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) {
+      return a.error < b.error;
     });
-    if (is_known) continue;
-    tried.push_back(axis);
-    if (IsContinuousAxis(object, axis)) found.push_back(axis);
-    if (found.size() == 2) break;
+    std::vector<Eigen::Vector3d> normals;
+    for (const Tried& one : tried) {
+      if (normals.size() == kMost) break;
+      const bool is_near = std::any_of(normals.begin(), normals.end(), [&](const auto& other) {
+        return IsNear(other, one.normal, 10.0 * kDegree);
+      });
+      if (!is_near) normals.push_back(one.normal);
+    }
+    return normals;
   }
-  return found;
-}
 
-Result<SymmetryGroup> ContinuousGroup(const TurnedSurface& object,
-                                      const std::vector<Eigen::Vector3d>& axes) {
-  if (axes.size() > 1) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "the mesh is symmetric about every axis, expected one axis or finitely many "
-                 "rotations"};
+  static Eigen::Matrix3d Reflection(const Eigen::Vector3d& normal) {
+    return Eigen::Matrix3d::Identity() - 2.0 * normal * normal.transpose();
   }
-  Eigen::Index largest = 0;
-  axes.front().cwiseAbs().maxCoeff(&largest);
-  const Eigen::Vector3d axis = axes.front()[largest] < 0.0 ? -axes.front() : axes.front();
-  const Eigen::Vector3d across = axis.unitOrthogonal();
-  return SymmetryGroup::Continuous(axis, object.IsSymmetry(ExpSo3(std::numbers::pi * across)));
-}
+
+  void AddMirrors(FoundSymmetry* found) const {
+    for (const Eigen::Vector3d& near : MirrorCandidates(*found)) {
+      const Motion motion = Refined(Reflection(near)).motion;
+      const Eigen::Matrix3d even = 0.5 * (motion.linear + motion.linear.transpose());
+      const Eigen::Vector3d normal =
+          Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(even).eigenvectors().col(0);
+      const double error =
+          Error({Reflection(normal), Eigen::Vector3d(normal * normal.dot(motion.shift))});
+      if (error > tolerance_) continue;
+      const bool is_known = std::any_of(
+          found->mirrors.begin(), found->mirrors.end(), [&](const FoundSymmetry::Mirror& other) {
+            return IsNear(other.normal, normal, kSame);
+          });
+      if (!is_known) found->mirrors.push_back({normal, error});
+    }
+  }
+
+  MeasuredSymmetryParameters parameters_;
+  TurnedSurface object_;
+  double tolerance_;  // Diameters.
+  std::vector<Candidate> candidates_;
+};
 
 Result<void> CheckMesh(const TriangleMesh& mesh) {
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
@@ -318,37 +427,25 @@ Result<void> MeasuredSymmetryParameters::Validate() const {
     return Error{ErrorCode::kInvalidArgument,
                  Format("tolerance = %g diameters, expected above 0 and at most 0.1", tolerance)};
   }
+  if (!(least_tolerance > 0.0 && least_tolerance <= tolerance)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("least_tolerance = %g diameters, expected above 0 and at most the "
+                        "tolerance, %g",
+                        least_tolerance,
+                        tolerance)};
+  }
+  if (!(unevenness_factor >= 1.0 && unevenness_factor <= 1e6)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("unevenness_factor = %g, expected 1 to 1e6", unevenness_factor)};
+  }
   return {};
 }
 
-Result<SymmetryGroup> MeasureSymmetry(const TriangleMesh& mesh,
+Result<FoundSymmetry> MeasureSymmetry(const TriangleMesh& mesh,
                                       const MeasuredSymmetryParameters& parameters) {
   if (const Result<void> valid = parameters.Validate(); !valid) return valid.error();
   if (const Result<void> valid = CheckMesh(mesh); !valid) return valid.error();
-  TriangleMesh centered = mesh;
-  const Eigen::Vector3f center = mesh.SurfaceCentroid().cast<float>();
-  for (Eigen::Vector3f& vertex : centered.vertices) vertex -= center;
-  const TurnedSurface object(centered, parameters);
-
-  std::vector<TriedRotation> symmetries;
-  for (const TriedRotation& minimum : CoarseMinima(object, parameters.k)) {
-    if (!object.MayBeNearSymmetry(minimum.turn)) continue;
-    const Eigen::Quaterniond turn = object.Refine(minimum.turn);
-    const double mse = object.Mse(turn);
-    if (object.Allows(mse)) symmetries.push_back({turn, mse});
-  }
-  SortByError(&symmetries);
-  const std::vector<Eigen::Vector3d> axes = ContinuousAxes(object, symmetries);
-  if (!axes.empty()) return ContinuousGroup(object, axes);
-
-  SymmetryGroup group;
-  for (const TriedRotation& symmetry : symmetries) {
-    if (Find(group.elements, symmetry.turn)) continue;
-    const auto joined = Join(object, group.elements, symmetry.turn);
-    if (joined) group.elements = *joined;
-  }
-  MakeExact(&group.elements);
-  return group;
+  return SymmetrySearch(mesh, parameters).Run();
 }
 
 }  // namespace vantage

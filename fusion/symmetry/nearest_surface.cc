@@ -87,10 +87,8 @@ void NearestSurface::Build(uint32_t node) {
   Build(children + 1);
 }
 
-void NearestSurface::Search(uint32_t node,
-                            const Eigen::Vector3d& point,
-                            double* squared,
-                            Hit* hit) const {
+void NearestSurface::Search(uint32_t node, const Query& query, double* squared, Hit* hit) const {
+  const Eigen::Vector3d& point = query.point;
   const Node& here = nodes_[node];
   if (here.children == 0) {
     for (uint32_t i = here.begin; i < here.end; ++i) {
@@ -98,9 +96,11 @@ void NearestSurface::Search(uint32_t node,
       const Eigen::Vector3d nearest = NearestOnTriangle(point, a, b, c);
       const double distance = (nearest - point).squaredNorm();
       if (distance >= *squared) continue;
+      const Eigen::Vector3d normal = (b - a).cross(c - a);
+      if (normal.dot(query.facing) < 0.0) continue;
       *squared = distance;
       hit->point = nearest;
-      hit->normal = (b - a).cross(c - a);
+      hit->normal = normal;
     }
     return;
   }
@@ -112,14 +112,27 @@ void NearestSurface::Search(uint32_t node,
     std::swap(near, far);
     std::swap(near_distance, far_distance);
   }
-  if (near_distance < *squared) Search(near, point, squared, hit);
-  if (far_distance < *squared) Search(far, point, squared, hit);
+  if (near_distance < *squared) Search(near, query, squared, hit);
+  if (far_distance < *squared) Search(far, query, squared, hit);
 }
 
 NearestSurface::Hit NearestSurface::Nearest(const Eigen::Vector3d& point) const {
   Hit hit{Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(), 0.0};
   double squared = std::numeric_limits<double>::max();
-  Search(0, point, &squared, &hit);
+  Search(0, {point, Eigen::Vector3d::Zero()}, &squared, &hit);
+  hit.normal.normalize();
+  hit.distance = std::sqrt(squared);
+  return hit;
+}
+
+NearestSurface::Hit NearestSurface::NearestFacing(const Eigen::Vector3d& point,
+                                                  const Eigen::Vector3d& normal,
+                                                  double reach) const {
+  const double farthest = reach * reach;
+  Hit hit{point, normal, std::numeric_limits<double>::infinity()};
+  double squared = farthest;
+  Search(0, {point, normal}, &squared, &hit);
+  if (squared >= farthest) return hit;
   hit.normal.normalize();
   hit.distance = std::sqrt(squared);
   return hit;

@@ -16,13 +16,18 @@ class NearestSurface {
   struct Hit {
     Eigen::Vector3d point;   ///< m
     Eigen::Vector3d normal;  ///< unit, of the triangle
-    double distance;         ///< m
+    double distance;         ///< m; infinite when there is none
   };
 
   /// @param mesh of one triangle with area or more; those without are left out.
   explicit NearestSurface(const TriangleMesh& mesh);
 
   [[nodiscard]] Hit Nearest(const Eigen::Vector3d& point) const;
+  /// Of the triangles whose outside lies within 90 degrees of `normal` and not farther than
+  /// `reach`, m: the front of a thin sheet is not near its back.
+  [[nodiscard]] Hit NearestFacing(const Eigen::Vector3d& point,
+                                  const Eigen::Vector3d& normal,
+                                  double reach) const;
 
  private:
   struct Triangle {
@@ -34,8 +39,13 @@ class NearestSurface {
     uint32_t children;    // The first of two; 0 for a leaf.
   };
 
+  struct Query {
+    Eigen::Vector3d point;
+    Eigen::Vector3d facing;  // 0: any triangle.
+  };
+
   void Build(uint32_t node);
-  void Search(uint32_t node, const Eigen::Vector3d& point, double* squared, Hit* hit) const;
+  void Search(uint32_t node, const Query& query, double* squared, Hit* hit) const;
 
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;

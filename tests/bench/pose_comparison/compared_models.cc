@@ -39,9 +39,9 @@ Result<ObjectModel> MakeScannedModel(const Scan& scan, const std::filesystem::pa
   if (const Result<MeshMending> mending = CheckAndMendMesh(&*mesh); !mending) {
     return mending.error();
   }
-  const Result<SymmetryGroup> symmetry = MeasureSymmetry(*mesh);
+  const Result<FoundSymmetry> symmetry = MeasureSymmetry(*mesh);
   if (!symmetry) return symmetry.error();
-  return BuildObjectModel(scan.name, std::move(mesh).value(), *symmetry, scan.file, {});
+  return BuildObjectModel(scan.name, std::move(mesh).value(), symmetry->group, scan.file, {});
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TriangleMesh Ball() {
 }
 
 // Moves the mesh and measures it.
-Result<SymmetryGroup> MeasureMoved(const TriangleMesh& mesh, const Eigen::Quaterniond& turn) {
+Result<FoundSymmetry> MeasureMoved(const TriangleMesh& mesh, const Eigen::Quaterniond& turn) {
   Pose T_moved_mesh = Pose::Identity();
   T_moved_mesh.linear() = turn.toRotationMatrix();
   T_moved_mesh.translation() = Eigen::Vector3d(0.3, -0.2, 0.1);
@@ -87,8 +87,10 @@ Result<SymmetryGroup> MeasureMoved(const TriangleMesh& mesh, const Eigen::Quater
 void ExpectGroup(const TriangleMesh& mesh, const SymmetryGroup& expected, uint64_t seed) {
   Rng rng(seed);
   const Eigen::Quaterniond turn = rng.Rotation();
-  const Result<SymmetryGroup> measured = MeasureMoved(mesh, turn);
-  ASSERT_TRUE(measured.ok()) << measured.error().message;
+  const Result<FoundSymmetry> found = MeasureMoved(mesh, turn);
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  const SymmetryGroup* measured = &found->group;
+  EXPECT_GT(found->confidence, 0.5);
   ASSERT_EQ(measured->kind, SymmetryGroup::Kind::kFinite);
   EXPECT_EQ(measured->elements.size(), expected.elements.size());
   EXPECT_EQ(measured->elements.front().coeffs(), Eigen::Quaterniond::Identity().coeffs());
@@ -108,8 +110,10 @@ void ExpectGroup(const TriangleMesh& mesh, const SymmetryGroup& expected, uint64
 void ExpectContinuous(const TriangleMesh& mesh, bool flips, uint64_t seed) {
   Rng rng(seed);
   const Eigen::Quaterniond turn = rng.Rotation();
-  const Result<SymmetryGroup> measured = MeasureMoved(mesh, turn);
-  ASSERT_TRUE(measured.ok()) << measured.error().message;
+  const Result<FoundSymmetry> found = MeasureMoved(mesh, turn);
+  ASSERT_TRUE(found.ok()) << found.error().message;
+  const SymmetryGroup* measured = &found->group;
+  EXPECT_GT(found->confidence, 0.5);
   ASSERT_EQ(measured->kind, SymmetryGroup::Kind::kContinuous);
   EXPECT_EQ(measured->flips, flips);
   EXPECT_LT(measured->axis.cross(turn * Eigen::Vector3d::UnitZ()).norm(), 0.2 * kDegree);
@@ -170,8 +174,16 @@ TEST(MeasuredSymmetry, CylinderAndCone) {
   ExpectContinuous(Prism(Regular(40, 0.03), 0.1, 0.1), false, 11);
 }
 
+TEST(MeasuredSymmetry, BallIsASphere) {
+  const Result<FoundSymmetry> found = MeasureSymmetry(Ball(), {.num_samples = 100});
+  ASSERT_TRUE(found.ok());
+  EXPECT_TRUE(found->is_sphere);
+  EXPECT_GT(found->confidence, 0.9);
+  EXPECT_LT(found->center.norm(), 0.01);
+  EXPECT_NE(FoundSymmetryText(*found).find("can't be told"), std::string::npos);
+}
+
 TEST(MeasuredSymmetry, RefusesWhatItCanNotMeasure) {
-  EXPECT_FALSE(MeasureSymmetry(Ball(), {.num_samples = 100}).ok());
   EXPECT_FALSE(MeasureSymmetry(TriangleMesh{}).ok());
   TriangleMesh mesh = Prism(Rectangle(1.0, 2.0), 3.0);
   mesh.triangles.push_back({0, 1, 10});
@@ -189,6 +201,8 @@ TEST(MeasuredSymmetry, RefusesWhatItCanNotMeasure) {
   EXPECT_FALSE(P{.k = 1}.Validate().ok());
   EXPECT_FALSE(P{.num_samples = 0}.Validate().ok());
   EXPECT_FALSE(P{.tolerance = 0.0}.Validate().ok());
+  EXPECT_FALSE(P{.least_tolerance = 0.02}.Validate().ok());
+  EXPECT_FALSE(P{.unevenness_factor = 0.5}.Validate().ok());
   EXPECT_FALSE(P{.tolerance = std::nan("")}.Validate().ok());
 }
 
