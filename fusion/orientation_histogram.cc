@@ -34,14 +34,29 @@ void OrientationHistogram::Vote(const Eigen::Quaterniond& q, double verification
   weights_.Add(ordinal, static_cast<float>(weight));
 }
 
+void OrientationHistogram::AddDensity(std::span<const Addend> cells, double everywhere) {
+  VANTAGE_CHECK(everywhere >= 0.0 && std::isfinite(everywhere), Format("density %g", everywhere));
+  for (const Addend& cell : cells) {
+    const double weight = cell.density * prior_.Density(cell.ordinal);
+    mass_ += weight * cell.area;
+    weights_.Add(cell.ordinal, static_cast<float>(weight));
+  }
+  mass_ += everywhere;  // The mean of the prior's density is 1.
+  everywhere_ += everywhere;
+}
+
 double OrientationHistogram::Weight(So3Grid::Cell cell) const {
-  return grid().IsValid(cell) ? static_cast<double>(weights_.At(grid().Ordinal(cell))) : 0.0;
+  if (!grid().IsValid(cell)) return 0.0;
+  const int32_t ordinal = grid().Ordinal(cell);
+  const auto weight = static_cast<double>(weights_.At(ordinal));
+  return everywhere_ == 0.0 ? weight : weight + everywhere_ * prior_.Density(ordinal);
 }
 
 double OrientationHistogram::Entropy() const {
   double entropy = 0.0;
+  const double mass = mass_ - everywhere_;
   for (const CellWeights::Entry& entry : weights_.Entries()) {
-    const double share = static_cast<double>(entry.weight) * grid().Area(entry.cell) / mass_;
+    const double share = static_cast<double>(entry.weight) * grid().Area(entry.cell) / mass;
     if (share > 0.0) entropy -= share * std::log(share);
   }
   return std::max(0.0, entropy);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "fusion/cell_weights.h"
@@ -29,14 +31,29 @@ class OrientationHistogram {
   /// A vote of weight w_v for the detection's own cell, whatever its area (5.2, "voting").
   void Vote(const Eigen::Quaterniond& q, double verification_weight);
 
+  /// What is added to one cell.
+  struct Addend {
+    int32_t ordinal;  ///< So3Grid::Ordinal
+    double density;   ///< relative to the uniform one, >= 0
+    double area;
+  };
+  /// Adds a density that is `everywhere` but for some cells, which have `cells` on top. Costs those
+  /// cells.
+  void AddDensity(std::span<const Addend> cells, double everywhere);
+
+  /// w_r of the cells beyond what is everywhere().
   [[nodiscard]] const CellWeights& weights() const { return weights_; }
+  /// What AddDensity added everywhere, relative to the prior. It moves no peak, so neither
+  /// weights() nor Entropy() have it.
+  [[nodiscard]] double everywhere() const { return everywhere_; }
   /// w_r of a cell; 0 where nothing was added.
   [[nodiscard]] double Weight(So3Grid::Cell cell) const;
   [[nodiscard]] bool empty() const { return mass_ <= 0.0; }
   /// Sum of w_r times the area over all cells: with a uniform prior and no votes the sum of the
   /// verification weights added.
   [[nodiscard]] double Mass() const { return mass_; }
-  /// Entropy of the cells' shares of the mass, nat; 0 when a single cell has it all, or none.
+  /// Entropy of the cells' shares of the mass beyond what is everywhere(), nat; 0 when a single
+  /// cell has it all, or none.
   [[nodiscard]] double Entropy() const;
   [[nodiscard]] const So3Grid& grid() const { return weights_.grid(); }
 
@@ -45,6 +62,7 @@ class OrientationHistogram {
   CellWeights weights_;
   ConfidenceKernel kernel_;
   double mass_ = 0.0;
+  double everywhere_ = 0.0;
 };
 
 }  // namespace vantage

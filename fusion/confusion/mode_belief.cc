@@ -38,38 +38,52 @@ std::vector<Candidate> Candidates(const ConfusionModel& model,
   return candidates;
 }
 
-// Candidates within a mode's radius of a heavier one are one hypothesis, at their mean.
+// Sum of orientations that are near each other modulo symmetry.
+struct NearbySum {
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+
+  void Add(const SymmetryGroup& symmetry,
+           const Eigen::Quaterniond& q,
+           const Eigen::Quaterniond& reference) {
+    const Eigen::Vector4d near = NearestEquivalent(symmetry, q, reference).coeffs();
+    sum += near.dot(reference.coeffs()) < 0.0 ? Eigen::Vector4d(-near) : near;
+  }
+};
+
+// Candidates within a mode's radius of a heavier one are one hypothesis.
 std::vector<Eigen::Quaterniond> Merge(const ConfusionModel& model,
                                       const std::vector<Candidate>& candidates) {
-  struct Cluster {
-    Eigen::Quaterniond seed;
-    Eigen::Vector4d sum;
-  };
-  const SymmetryGroup& symmetry = model.symmetry();
   const double reach = std::cos(0.5 * model.parameters().mode_radius);
-  std::vector<Cluster> clusters;
-  for (const Candidate& candidate : candidates) {
-    const Eigen::Quaterniond& q = candidate.q_world_object;
-    const auto same = std::ranges::find_if(clusters, [&](const Cluster& cluster) {
-      return SymmetricNearness(symmetry, q, cluster.seed) >= reach;
-    });
-    if (same != clusters.end()) {
-      const Eigen::Vector4d near = NearestEquivalent(symmetry, q, same->seed).coeffs();
-      const double sign = near.dot(same->seed.coeffs()) < 0.0 ? -1.0 : 1.0;
-      same->sum += sign * candidate.weight * near;
-    } else if (clusters.size() < kMostHypotheses) {
-      clusters.push_back({q, candidate.weight * q.coeffs()});
-    }
-  }
   std::vector<Eigen::Quaterniond> hypotheses;
-  for (const Cluster& cluster : clusters) {
-    hypotheses.emplace_back(cluster.sum.normalized());
+  for (const Candidate& candidate : candidates) {
+    if (hypotheses.size() == kMostHypotheses) break;
+    const bool apart = std::ranges::none_of(hypotheses, [&](const Eigen::Quaterniond& other) {
+      return SymmetricNearness(model.symmetry(), candidate.q_world_object, other) >= reach;
+    });
+    if (apart) hypotheses.push_back(candidate.q_world_object);
   }
   return hypotheses;
 }
 
-// Log of the density, relative to the uniform one, of what a view detected, if a hypothesis holds:
-// a mixture of a Gaussian about each mode and of what is scattered evenly.
+// The orientation about a hypothesis that all detections together speak for, each by the mode that
+// it is nearest to: the same whatever their shares, so that equally good alternatives stay so.
+Eigen::Quaterniond Centered(const ConfusionModel& model,
+                            const std::vector<ConfusionView>& views,
+                            const Eigen::Quaterniond& hypothesis) {
+  NearbySum sum;
+  for (const ConfusionView& view : views) {
+    if (!view.q_world_object) continue;
+    const int mode = model.ModeOf(hypothesis.conjugate() * *view.q_world_object);
+    if (mode < 0) continue;
+    sum.Add(
+        model.symmetry(), *view.q_world_object * model.Difference(mode).conjugate(), hypothesis);
+  }
+  const double norm = sum.sum.norm();
+  return norm > 0.0 ? Eigen::Quaterniond(Eigen::Vector4d(sum.sum / norm)) : hypothesis;
+}
+
+// Density, relative to the uniform one, of what a view detected, if a hypothesis holds: a mixture
+// of a Gaussian about each mode and of what is scattered evenly.
 class ViewLikelihood {
  public:
   explicit ViewLikelihood(const ConfusionModel& model)
@@ -80,24 +94,43 @@ class ViewLikelihood {
     reach_ = std::cos(std::min(0.5 * kCutoff * sigma_, 0.5 * kPi));
   }
 
-  [[nodiscard]] double Log(const ConfusionView& view,
-                           const Eigen::Quaterniond& q_world_object) const {
+  struct Terms {
+    double scattered = 0.0;  // Of a look that found nothing: its probability.
+    double modes = 0.0;
+  };
+  [[nodiscard]] Terms Of(const ConfusionView& view,
+                         const Eigen::Quaterniond& q_world_object) const {
     const int direction = model_.DirectionOf(view.q_world_camera.conjugate() * q_world_object);
     const double scattered = model_.Scattered(direction);
     if (!view.q_world_object) {
-      return std::log(model_.WithOutliers(std::max(0.0, model_.Missed(direction) - scattered)));
+      return {model_.WithOutliers(std::max(0.0, model_.Missed(direction) - scattered)), 0.0};
     }
-    double density = model_.WithOutliers(scattered);
+    Terms terms{model_.WithOutliers(scattered), 0.0};
     const Eigen::Quaterniond difference = q_world_object.conjugate() * *view.q_world_object;
     for (int mode = 0; mode < model_.num_modes(); ++mode) {
       const double nearness =
           SymmetricNearness(model_.symmetry(), difference, model_.Difference(mode));
       if (nearness < reach_) continue;
       const double angle = AngleOfNearness(nearness);
-      density += model_.WithOutliers(model_.ShareFrom(direction, mode)) * height_ *
-                 std::exp(-0.5 * angle * angle / (sigma_ * sigma_));
+      terms.modes += model_.WithOutliers(model_.ShareFrom(direction, mode)) * height_ *
+                     std::exp(-0.5 * angle * angle / (sigma_ * sigma_));
     }
-    return std::log(density);
+    return terms;
+  }
+
+  // Log of the posterior's integral over the orientations about a hypothesis: where n detections
+  // are near its modes, it is a Gaussian with 1 / n of their variance in three axes.
+  [[nodiscard]] double LogPosterior(const std::vector<ConfusionView>& views,
+                                    const Eigen::Quaterniond& q_world_object) const {
+    double log_posterior = 0.0;
+    double num_near = 0.0;
+    for (const ConfusionView& view : views) {
+      const Terms terms = Of(view, q_world_object);
+      const double density = terms.scattered + terms.modes;
+      log_posterior += std::log(density);
+      num_near += terms.modes / density;
+    }
+    return log_posterior - 1.5 * std::log(std::max(1.0, num_near));
   }
 
  private:
@@ -113,10 +146,10 @@ std::vector<OrientationHypothesis> ModeBelief(const ConfusionModel& model,
                                               const std::vector<ConfusionView>& views) {
   std::vector<OrientationHypothesis> belief;
   const ViewLikelihood likelihood(model);
-  for (const Eigen::Quaterniond& q : Merge(model, Candidates(model, views))) {
-    double log_posterior = 0.0;
-    for (const ConfusionView& view : views) log_posterior += likelihood.Log(view, q);
-    belief.push_back({Canonical(q), log_posterior});
+  for (const Eigen::Quaterniond& hypothesis : Merge(model, Candidates(model, views))) {
+    const Eigen::Quaterniond q = Centered(model, views, hypothesis);
+    belief.push_back(
+        {Canonical(q), likelihood.LogPosterior(views, q)});  // A logarithm until below.
   }
   if (belief.empty()) return belief;
   std::stable_sort(belief.begin(), belief.end(), [](const auto& a, const auto& b) {
