@@ -4,19 +4,22 @@
 #include <array>
 #include <cmath>
 
+#include "common/check.h"
+
 namespace vantage {
 
-DepthRasterizer::DepthRasterizer(const CameraModel& camera) : camera_(camera) {
-  const size_t size = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
+DepthRasterizer::DepthRasterizer(const CameraModel& camera) : camera_(camera) { Clear(); }
+
+void DepthRasterizer::Clear(const PixelWindow& window) {
+  const PixelWindow whole = WholeImage(camera_);
+  VANTAGE_CHECK(!window.empty() && window.u0 >= 0 && window.v0 >= 0 && window.u1 <= whole.u1 &&
+                    window.v1 <= whole.v1,
+                "a window within the image");
+  window_ = window;
+  const size_t size = static_cast<size_t>(window.width()) * static_cast<size_t>(window.height());
   depth_.assign(size, kEmpty);
   mesh_ids_.assign(size, kNoId);
   triangle_ids_.assign(size, kNoId);
-}
-
-void DepthRasterizer::Clear() {
-  std::fill(depth_.begin(), depth_.end(), kEmpty);
-  std::fill(mesh_ids_.begin(), mesh_ids_.end(), kNoId);
-  std::fill(triangle_ids_.begin(), triangle_ids_.end(), kNoId);
 }
 
 PixelWindow DepthRasterizer::Draw(const TriangleMesh& mesh,
@@ -81,16 +84,17 @@ void DepthRasterizer::DrawTriangle(const Eigen::Vector3f& a,
   const float right = std::max({ua, ub, uc});
   const float top = std::min({va, vb, vc});
   const float bottom = std::max({va, vb, vc});
-  if (!(right >= 0.0F && left <= static_cast<float>(camera_.width - 1) && bottom >= 0.0F &&
-        top <= static_cast<float>(camera_.height - 1))) {
+  const auto first_u = static_cast<float>(window_.u0);
+  const auto first_v = static_cast<float>(window_.v0);
+  const auto last_u = static_cast<float>(window_.u1);
+  const auto last_v = static_cast<float>(window_.v1);
+  if (!(right >= first_u && left <= last_u && bottom >= first_v && top <= last_v)) {
     return;  // Outside, or not finite.
   }
-  const int u0 = static_cast<int>(std::ceil(std::max(left, 0.0F)));
-  const int u1 =
-      static_cast<int>(std::floor(std::min(right, static_cast<float>(camera_.width - 1))));
-  const int v0 = static_cast<int>(std::ceil(std::max(top, 0.0F)));
-  const int v1 =
-      static_cast<int>(std::floor(std::min(bottom, static_cast<float>(camera_.height - 1))));
+  const int u0 = static_cast<int>(std::ceil(std::max(left, first_u)));
+  const int u1 = static_cast<int>(std::floor(std::min(right, last_u)));
+  const int v0 = static_cast<int>(std::ceil(std::max(top, first_v)));
+  const int v1 = static_cast<int>(std::floor(std::min(bottom, last_v)));
 
   const float area = (ub - ua) * (vc - va) - (uc - ua) * (vb - va);
   if (area == 0.0F || u0 > u1 || v0 > v1) return;
@@ -108,7 +112,7 @@ void DepthRasterizer::DrawTriangle(const Eigen::Vector3f& a,
   touched->v1 = std::max(touched->v1, v1);
   for (int v = v0; v <= v1; ++v) {
     const float dv = static_cast<float>(v) - va;
-    const size_t row = static_cast<size_t>(v) * static_cast<size_t>(camera_.width);
+    const size_t row = static_cast<size_t>(v - window_.v0) * static_cast<size_t>(window_.width());
     for (int u = u0; u <= u1; ++u) {
       const float du = static_cast<float>(u) - ua;
       const float weight_b = du * b_du + dv * b_dv;
@@ -116,7 +120,7 @@ void DepthRasterizer::DrawTriangle(const Eigen::Vector3f& a,
       const float weight_a = 1.0F - weight_b - weight_c;
       if (weight_a < kSlack || weight_b < kSlack || weight_c < kSlack) continue;
       const float z = 1.0F / (weight_a * wa + weight_b * wb + weight_c * wc);
-      const size_t pixel = row + static_cast<size_t>(u);
+      const size_t pixel = row + static_cast<size_t>(u - window_.u0);
       if (z < depth_[pixel]) {
         depth_[pixel] = z;
         mesh_ids_[pixel] = mesh_id;

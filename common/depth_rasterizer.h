@@ -19,7 +19,16 @@ struct PixelWindow {
   int v1 = -1;
 
   [[nodiscard]] bool empty() const { return u1 < u0 || v1 < v0; }
+  /// px; below 1 when empty.
+  [[nodiscard]] int width() const { return u1 - u0 + 1; }
+  [[nodiscard]] int height() const { return v1 - v0 + 1; }
+  bool operator==(const PixelWindow&) const = default;
 };
+
+/// All pixels of a camera.
+inline PixelWindow WholeImage(const CameraModel& camera) {
+  return {0, 0, camera.width - 1, camera.height - 1};
+}
 
 /// Renders triangle meshes into a depth buffer, seen through a pinhole camera. Both sides of a
 /// triangle are drawn; where two meshes meet the nearer one wins, at equal depth the first drawn.
@@ -31,13 +40,16 @@ class DepthRasterizer {
   explicit DepthRasterizer(const CameraModel& camera);
 
   /// Empties the buffers for a new image.
-  void Clear();
+  void Clear() { Clear(WholeImage(camera_)); }
+  /// For one of which only a window, not empty, is drawn: its pixels are the whole image's.
+  void Clear(const PixelWindow& window);
   /// Draws a mesh. Triangles that reach nearer than `kNear` m are clipped there.
   /// @param mesh_id what ids() shall tell of the pixels that it wins.
   /// @return the pixels that it may have touched.
   PixelWindow Draw(const TriangleMesh& mesh, const Pose& T_camera_mesh, uint32_t mesh_id = 0);
 
-  /// Depth along z, m; kEmpty where nothing was drawn. width * height values.
+  /// Depth along z, m; kEmpty where nothing was drawn. width * height values, of the window if only
+  /// one was drawn.
   [[nodiscard]] std::span<const float> depth() const { return depth_; }
   /// mesh_id of the pixel's winner, kNoId where nothing was drawn.
   [[nodiscard]] std::span<const uint32_t> mesh_ids() const { return mesh_ids_; }
@@ -56,6 +68,7 @@ class DepthRasterizer {
                     PixelWindow* touched);
 
   CameraModel camera_;
+  PixelWindow window_;  // The buffers' pixels.
   std::vector<float> depth_;
   std::vector<uint32_t> mesh_ids_;
   std::vector<uint32_t> triangle_ids_;

@@ -65,14 +65,15 @@ NoiseTile::Window::Window(const NoiseTile& tile, Rng& rng)
       u2_(rng.Below(kWidth)),
       v2_(rng.Below(kHeight)) {}
 
-void NoiseTile::Window::Row(int v, std::span<float> row) const {
+void NoiseTile::Window::Row(int u, int v, std::span<float> row) const {
+  const auto x = static_cast<uint32_t>(u);
   const auto y = static_cast<uint32_t>(v);
   const float* first = values_ + Index(0, y + v1_);
   const float* second = values_ + Index(0, y + v2_);
   // In pieces that neither window's wrapping cuts.
   for (size_t done = 0; done < row.size();) {
-    const size_t a = (u1_ + done) & (kWidth - 1);
-    const size_t b = (u2_ + done) & (kWidth - 1);
+    const size_t a = (x + u1_ + done) & (kWidth - 1);
+    const size_t b = (x + u2_ + done) & (kWidth - 1);
     const size_t count = std::min(row.size() - done, kWidth - std::max(a, b));
     for (size_t i = 0; i < count; ++i) row[done + i] = kHalf * (first[a + i] + second[b + i]);
     done += count;

@@ -31,8 +31,8 @@ class NoiseTile {
       return kHalf * (values_[Index(x + u1_, y + v1_)] + values_[Index(x + u2_, y + v2_)]);
     }
 
-    /// Row v of the field, from u = 0.
-    void Row(int v, std::span<float> row) const;
+    /// Row v of the field, from u on.
+    void Row(int u, int v, std::span<float> row) const;
 
    private:
     static size_t Index(uint32_t u, uint32_t v) {

@@ -32,9 +32,6 @@ SceneRenderer::SceneRenderer(const SimScene& scene, const CameraModel& camera)
   if (scene.table) AddBody(PlaneMesh(*scene.table), PlanePose(*scene.table), Table());
   if (scene.floor) AddBody(PlaneMesh(*scene.floor), PlanePose(*scene.floor), Floor());
   view_.camera = camera;
-  view_.depth = DepthImage(camera.width, camera.height);
-  view_.cos_incidence.assign(view_.depth.depth.size(), 0.0F);
-  view_.surface.assign(view_.depth.depth.size(), RenderedView::kNoSurface);
 }
 
 void SceneRenderer::AddBody(TriangleMesh mesh, const Pose& T_world_body, uint32_t surface) {
@@ -50,9 +47,10 @@ void SceneRenderer::AddBody(TriangleMesh mesh, const Pose& T_world_body, uint32_
   bodies_.push_back(std::move(body));
 }
 
-const RenderedView& SceneRenderer::Render(const Pose& T_world_camera) {
+const RenderedView& SceneRenderer::Render(const Pose& T_world_camera, const PixelWindow& window) {
   const Pose T_camera_world = T_world_camera.inverse(Eigen::Isometry);
-  rasterizer_.Clear();
+  rasterizer_.Clear(window);
+  view_.window = window;
   for (size_t i = 0; i < bodies_.size(); ++i) {
     Body& body = bodies_[i];
     const Pose T_camera_body = T_camera_world * body.T_world_body;
@@ -70,10 +68,16 @@ void SceneRenderer::FillView() {
   const CameraModel& camera = view_.camera;
   const auto inverse_fx = static_cast<float>(1.0 / camera.fx);
   const float left = -static_cast<float>(camera.cx / camera.fx);
+  view_.depth.width = view_.window.width();
+  view_.depth.height = view_.window.height();
+  const size_t size = rasterizer_.depth().size();
+  view_.depth.depth.resize(size);
+  view_.cos_incidence.resize(size);
+  view_.surface.resize(size);
   size_t i = 0;
-  for (int v = 0; v < camera.height; ++v) {
+  for (int v = view_.window.v0; v <= view_.window.v1; ++v) {
     const auto y = static_cast<float>((v - camera.cy) / camera.fy);
-    for (int u = 0; u < camera.width; ++u, ++i) {
+    for (int u = view_.window.u0; u <= view_.window.u1; ++u, ++i) {
       const uint32_t body = rasterizer_.mesh_ids()[i];
       if (body == DepthRasterizer::kNoId) {
         view_.depth.depth[i] = DepthImage::kInvalid;

@@ -16,7 +16,8 @@ struct RenderedView {
   static constexpr uint32_t kNoSurface = DepthRasterizer::kNoId;
 
   CameraModel camera;
-  DepthImage depth;  ///< m; NaN where there is no surface
+  PixelWindow window;  ///< the camera's pixels that follow, row by row
+  DepthImage depth;    ///< m; NaN where there is no surface
   /// |cosine| of the angle between the ray and the surface's normal; 0 where there is no surface.
   std::vector<float> cos_incidence;
   std::vector<uint32_t> surface;  ///< index of the object; Table() or Floor(); kNoSurface
@@ -32,7 +33,11 @@ class SceneRenderer {
     bodies_[object].T_world_body = T_world_object;
   }
   /// The view from a pose; valid until the next call.
-  const RenderedView& Render(const Pose& T_world_camera);
+  const RenderedView& Render(const Pose& T_world_camera) {
+    return Render(T_world_camera, WholeImage(view_.camera));
+  }
+  /// Only a window of it, not empty.
+  const RenderedView& Render(const Pose& T_world_camera, const PixelWindow& window);
 
   /// RenderedView::surface of the table, and of the floor.
   [[nodiscard]] uint32_t Table() const { return num_objects_; }

@@ -44,13 +44,21 @@ SensorModel::SensorModel(const SensorModelParameters& parameters, const CameraMo
   VANTAGE_CHECK(sound.ok(), sound.error().message);
   MakeTables();
   MakeBias();
-  const size_t size = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
+  projector_.resize(static_cast<size_t>(camera.width + kProjectorMargin) + 1);
+}
+
+void SensorModel::Prepare(const RenderedView& view) {
+  VANTAGE_CHECK(view.camera == camera_, "the view is of another camera");
+  window_ = view.window;
+  VANTAGE_CHECK(window_.u0 % kAlignment == 0 && window_.v0 % kAlignment == 0,
+                "the window begins at multiples of 16 px");
+  const size_t size = view.depth.depth.size();
+  const auto width = static_cast<size_t>(window_.width());
   disparity_.resize(size);
   observed_.resize(size);
-  projector_.resize(static_cast<size_t>(camera.width + kProjectorMargin) + 1);
-  projector_column_.resize(static_cast<size_t>(camera.width));
-  offset_row_.resize(static_cast<size_t>(camera.width));
-  noise_row_.resize(static_cast<size_t>(camera.width));
+  projector_column_.resize(width);
+  offset_row_.resize(width);
+  noise_row_.resize(width);
 }
 
 void SensorModel::MakeTables() {
@@ -121,29 +129,29 @@ double SensorModel::BiasDisparity(double u, double v, double disparity, double t
 }
 
 void SensorModel::FillBiasGrid(double time) {
-  const int columns = camera_.width / kBiasCell + 2;
-  const int rows = camera_.height / kBiasCell + 2;
+  const int columns = window_.width() / kBiasCell + 2;
+  const int rows = window_.height() / kBiasCell + 2;
   bias_grid_.clear();
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      bias_grid_.push_back(
-          static_cast<float>(BiasField(column * kBiasCell, row * kBiasCell, time)));
+      bias_grid_.push_back(static_cast<float>(
+          BiasField(window_.u0 + column * kBiasCell, window_.v0 + row * kBiasCell, time)));
     }
   }
 }
 
 void SensorModel::AddBiasRow(int v) {
-  const auto columns = static_cast<size_t>(camera_.width / kBiasCell + 2);
+  const auto columns = static_cast<size_t>(window_.width() / kBiasCell + 2);
   const float* above = bias_grid_.data() + static_cast<size_t>(v / kBiasCell) * columns;
   const float* below = above + columns;
   constexpr float kPart = 1.0F / kBiasCell;
   const float part_v = kPart * static_cast<float>(v % kBiasCell);
-  const float* truth = observed_.data() + static_cast<size_t>(v * camera_.width);
-  for (int u0 = 0; u0 < camera_.width; u0 += kBiasCell) {
+  const float* truth = observed_.data() + static_cast<size_t>(v * window_.width());
+  for (int u0 = 0; u0 < window_.width(); u0 += kBiasCell) {
     const int cell = u0 / kBiasCell;
     const float left = above[cell] + part_v * (below[cell] - above[cell]);
     const float right = above[cell + 1] + part_v * (below[cell + 1] - above[cell + 1]);
-    const int count = std::min(kBiasCell, camera_.width - u0);
+    const int count = std::min(kBiasCell, window_.width() - u0);
     float* offset = offset_row_.data() + u0;
     for (int i = 0; i < count; ++i) {
       offset[i] +=
@@ -156,7 +164,7 @@ void SensorModel::Measure(const RenderedView& view,
                           int64_t frame,
                           double time,
                           DepthImage* measured) {
-  VANTAGE_CHECK(view.camera == camera_, "the view is of another camera");
+  Prepare(view);
   Rng rng(parameters_.seed ^ parameters_.device_id, static_cast<uint64_t>(frame));
   const NoiseTile::Window axial(tile_, rng);
   const NoiseTile::Window along_u(tile_, rng);
@@ -178,11 +186,11 @@ void SensorModel::Measure(const RenderedView& view,
     observed_ = disparity_;
   }
 
-  measured->width = camera_.width;
-  measured->height = camera_.height;
+  measured->width = window_.width();
+  measured->height = window_.height();
   measured->depth.resize(observed_.size());
   if (parameters_.bias) FillBiasGrid(time);
-  for (int v = 0; v < camera_.height; ++v) {
+  for (int v = 0; v < window_.height(); ++v) {
     std::fill(offset_row_.begin(), offset_row_.end(), 0.0F);
     if (parameters_.axial_noise) AddNoiseRow(view, v, axial);
     if (parameters_.bias) AddBiasRow(v);
@@ -191,9 +199,9 @@ void SensorModel::Measure(const RenderedView& view,
 }
 
 void SensorModel::CastShadows() {
-  const auto width = static_cast<size_t>(camera_.width);
+  const auto width = static_cast<size_t>(window_.width());
   const auto steepest = static_cast<float>(vga_scale_);
-  for (int v = 0; v < camera_.height; ++v) {
+  for (int v = 0; v < window_.height(); ++v) {
     float* row = disparity_.data() + static_cast<size_t>(v) * width;
     // Where disparity grows by less than a pixel a pixel, the projector sees all in the same order.
     int jumps = 0;
@@ -207,12 +215,13 @@ void SensorModel::CastRowShadows(std::span<float> row) {
   // nearest gets the light.
   const auto scale = static_cast<float>(1.0 / vga_scale_);
   constexpr float kOffset = static_cast<float>(kProjectorMargin) + 0.5F;
+  const auto first = static_cast<size_t>(window_.u0);
   std::fill(projector_.begin(), projector_.end(), 0.0F);
   int last_column = 0;
   float last = 0.0F;
   for (size_t u = 0; u < row.size(); ++u) {
     const float d = std::min(row[u] * scale, static_cast<float>(kProjectorMargin));
-    const int column = static_cast<int>(static_cast<float>(u) - d + kOffset);
+    const int column = static_cast<int>(static_cast<float>(first + u) - d + kOffset);
     projector_column_[u] = column;
     if (d > 0.0F) {
       float& lit = projector_[static_cast<size_t>(column)];
@@ -237,12 +246,12 @@ void SensorModel::CastRowShadows(std::span<float> row) {
 void SensorModel::DropAtGrazing(const RenderedView& view, const NoiseTile::Window& noise) {
   const auto harmless = static_cast<float>(std::cos(parameters_.dropout_start));
   size_t i = 0;
-  for (int v = 0; v < camera_.height; ++v) {
-    for (int u = 0; u < camera_.width; ++u, ++i) {
+  for (int v = 0; v < window_.height(); ++v) {
+    for (int u = 0; u < window_.width(); ++u, ++i) {
       const float cosine = view.cos_incidence[i];
       if (cosine >= harmless || disparity_[i] <= 0.0F) continue;
       const auto step = static_cast<size_t>(cosine * static_cast<float>(kAngleSteps));
-      if (noise.at(u, v) < dropout_table_[step]) disparity_[i] = 0.0F;
+      if (noise.at(window_.u0 + u, window_.v0 + v) < dropout_table_[step]) disparity_[i] = 0.0F;
     }
   }
 }
@@ -250,14 +259,14 @@ void SensorModel::DropAtGrazing(const RenderedView& view, const NoiseTile::Windo
 void SensorModel::FindEdges(const RenderedView& view) {
   const auto edge = static_cast<float>(parameters_.edge_step);
   const int columns = EdgeColumns();
-  const auto width = static_cast<size_t>(camera_.width);
+  const auto width = static_cast<size_t>(window_.width());
   edge_blocks_.assign(static_cast<size_t>(columns * EdgeRows()), 0);
-  for (int v = 0; v < camera_.height; ++v) {
+  for (int v = 0; v < window_.height(); ++v) {
     // The last row and the last column have their neighbours before them.
-    const size_t below = v + 1 < camera_.height ? width : 0;
+    const size_t below = v + 1 < window_.height() ? width : 0;
     uint8_t* blocks = edge_blocks_.data() + v / kEdgeBlock * columns;
-    for (int u0 = 0; u0 < camera_.width; u0 += kEdgeBlock) {
-      const int u1 = std::min(u0 + kEdgeBlock, camera_.width - 1);
+    for (int u0 = 0; u0 < window_.width(); u0 += kEdgeBlock) {
+      const int u1 = std::min(u0 + kEdgeBlock, window_.width() - 1);
       const size_t row = view.depth.Index(0, v);
       int edges = 0;
       for (size_t i = row + static_cast<size_t>(u0); i < row + static_cast<size_t>(u1); ++i) {
@@ -288,11 +297,15 @@ void SensorModel::ShiftEdges(const RenderedView& view,
   for (int row = 0; row < EdgeRows(); ++row) {
     for (int column = 0; column < EdgeColumns(); ++column) {
       if (!EdgeNear(column, row)) continue;
-      const int v1 = std::min((row + 1) * kEdgeBlock, camera_.height);
-      const int u1 = std::min((column + 1) * kEdgeBlock, camera_.width);
+      const int v1 = std::min((row + 1) * kEdgeBlock, window_.height());
+      const int u1 = std::min((column + 1) * kEdgeBlock, window_.width());
       for (int v = row * kEdgeBlock; v < v1; ++v) {
         for (int u = column * kEdgeBlock; u < u1; ++u) {
-          ShiftPixel(view, u, v, along_u.at(u, v), along_v.at(u, v));
+          ShiftPixel(view,
+                     u,
+                     v,
+                     along_u.at(window_.u0 + u, window_.v0 + v),
+                     along_v.at(window_.u0 + u, window_.v0 + v));
         }
       }
     }
@@ -321,11 +334,11 @@ void SensorModel::ShiftPixel(const RenderedView& view, int u, int v, float noise
 
 void SensorModel::AddNoiseRow(const RenderedView& view, int v, const NoiseTile::Window& noise) {
   const size_t row = view.depth.Index(0, v);
-  const auto width = static_cast<size_t>(camera_.width);
+  const auto width = static_cast<size_t>(window_.width());
   const auto focal_baseline = static_cast<float>(focal_baseline_);
   const auto sigma = static_cast<float>(parameters_.axial_sigma);
   constexpr float kGrazing = 0.5F;  // cos 60 degrees
-  noise.Row(v, noise_row_);
+  noise.Row(window_.u0, window_.v0 + v, noise_row_);
   int grazing = 0;
   for (size_t u = 0; u < width; ++u) {
     grazing += view.cos_incidence[row + u] < kGrazing ? 1 : 0;
@@ -344,7 +357,7 @@ void SensorModel::AddNoiseRow(const RenderedView& view, int v, const NoiseTile::
 
 void SensorModel::MeasureRow(const RenderedView& view, int v, float* out) const {
   const size_t row = view.depth.Index(0, v);
-  const auto width = static_cast<size_t>(camera_.width);
+  const auto width = static_cast<size_t>(window_.width());
   const auto focal_baseline = static_cast<float>(focal_baseline_);
   const auto nearest = static_cast<float>(parameters_.nearest);
   const auto farthest = static_cast<float>(parameters_.farthest);

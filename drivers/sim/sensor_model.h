@@ -17,12 +17,16 @@ namespace vantage {
 /// always, whatever was asked for before.
 class SensorModel {
  public:
+  static constexpr int kAlignment = 16;  ///< px
+
   SensorModel(const SensorModelParameters& parameters, const CameraModel& camera);
 
   /// Makes it another device: one of another bias and noise.
   void SetDevice(uint64_t device_id);
 
-  /// @param view of the camera that was given.
+  /// @param view of the camera that was given. Of a window that begins at multiples of kAlignment
+  /// the result is what the whole image's would hold there, but for pixels within kAlignment of the
+  /// window's border that isn't the image's, and for the shadow of what is right of the window.
   /// @param time s since the device's start, for the bias.
   /// @param measured depth, m; NaN where nothing is measured. Its buffer is reused.
   void Measure(const RenderedView& view, int64_t frame, double time, DepthImage* measured);
@@ -34,12 +38,13 @@ class SensorModel {
   struct BiasWave {
     double ku, kv, phase, drift;  // rad/px, rad/px, rad, rad/s
   };
-  static constexpr int kBiasCell = 16;        // px
+  static constexpr int kBiasCell = kAlignment;
   static constexpr int kEdgeBlock = 8;        // px, also the largest shift of an edge.
   static constexpr size_t kAngleSteps = 256;  // Of the tables over cos_incidence.
 
   void MakeTables();
   void MakeBias();
+  void Prepare(const RenderedView& view);
   [[nodiscard]] double BiasField(double u, double v, double time) const;
   [[nodiscard]] float BiasDepthTerm(float disparity) const;
   void FillBiasGrid(double time);
@@ -55,11 +60,12 @@ class SensorModel {
                   const NoiseTile::Window& along_v);
   void ShiftPixel(const RenderedView& view, int u, int v, float noise_u, float noise_v);
   void MeasureRow(const RenderedView& view, int v, float* out) const;
-  [[nodiscard]] int EdgeColumns() const { return (camera_.width - 1) / kEdgeBlock + 1; }
-  [[nodiscard]] int EdgeRows() const { return (camera_.height - 1) / kEdgeBlock + 1; }
+  [[nodiscard]] int EdgeColumns() const { return (window_.width() - 1) / kEdgeBlock + 1; }
+  [[nodiscard]] int EdgeRows() const { return (window_.height() - 1) / kEdgeBlock + 1; }
 
   SensorModelParameters parameters_;
   CameraModel camera_;
+  PixelWindow window_;     // Of the view in hand; rows and columns are counted from its corner.
   double focal_baseline_;  // px m, at 640 px
   double vga_scale_;       // px of the 640 px image in one px of ours
   NoiseTile tile_;

@@ -22,6 +22,7 @@ SensorModelParameters AllOff() {
 RenderedView EmptyView(const CameraModel& camera = {}) {
   RenderedView view;
   view.camera = camera;
+  view.window = WholeImage(camera);
   view.depth = DepthImage(camera.width, camera.height);
   view.cos_incidence.assign(view.depth.depth.size(), 0.0F);
   view.surface.assign(view.depth.depth.size(), RenderedView::kNoSurface);

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "drivers/sim/sensor_model.h"
 
 namespace vantage {
 namespace {
@@ -13,6 +14,7 @@ constexpr double kLargestGap = 0.15;    // m, between the object's ball and the 
 constexpr double kSmallestGap = 0.05;   // m
 constexpr double kHeightMargin = 0.02;  // m, below what the segmentation takes for an object.
 constexpr double kWallSize = 8.0;       // m
+constexpr double kWindowMargin = 20.0;  // px, around the object's ball
 
 double RadiusAboutCenter(const ObjectModel& model) {
   double radius = 0.0;
@@ -38,7 +40,10 @@ const SegmentationParameters& SegmentationOf(const TrialParameters& parameters) 
 }  // namespace
 
 TrialScene::TrialScene(const ObjectModel& model, const TrialParameters& parameters)
-    : center_(model.center), radius_(RadiusAboutCenter(model)), aim_jitter_(parameters.aim_jitter) {
+    : camera_(parameters.camera),
+      center_(model.center),
+      radius_(RadiusAboutCenter(model)),
+      aim_jitter_(parameters.aim_jitter) {
   const double fitting = FittingDistance(
       radius_ + std::sqrt(2.0) * aim_jitter_, parameters.camera, parameters.sensor.nearest);
   const double scale = std::max(1.0, fitting / parameters.nearest_distance);
@@ -62,6 +67,23 @@ TrialScene::Placement TrialScene::Place(const Eigen::Quaterniond& q_camera_objec
   placement.T_world_camera.linear() = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
   placement.T_world_camera.translation().z() = distance + wall_distance_;
   return placement;
+}
+
+PixelWindow TrialScene::Window(const Placement& placement) const {
+  const Eigen::Vector3d center = placement.T_camera_object * center_;
+  const Eigen::Vector2d pixel = camera_.Project(center);
+  // Of a ball on the optical axis; a little off it that is right to a pixel.
+  const double over_depth = radius_ / std::sqrt(center.z() * center.z() - radius_ * radius_);
+  const double half_width = camera_.fx * over_depth + kWindowMargin;
+  const double half_height = camera_.fy * over_depth + kWindowMargin;
+  const auto begin = [](double first) {
+    constexpr int kStep = SensorModel::kAlignment;
+    return std::max(0, static_cast<int>(first) / kStep * kStep);
+  };
+  return {begin(pixel.x() - half_width),
+          begin(pixel.y() - half_height),
+          std::min(camera_.width - 1, static_cast<int>(pixel.x() + half_width)),
+          std::min(camera_.height - 1, static_cast<int>(pixel.y() + half_height))};
 }
 
 SimScene TrialScene::Scene(const ObjectModel& model) const {

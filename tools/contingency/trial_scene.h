@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "common/camera_model.h"
+#include "common/depth_rasterizer.h"
 #include "common/rng.h"
 #include "common/so3.h"
 #include "drivers/sim/scene.h"
@@ -23,16 +25,17 @@ class TrialScene {
   /// The object in an orientation; its distance and its place beside the optical axis are drawn.
   [[nodiscard]] Placement Place(const Eigen::Quaterniond& q_camera_object, Rng& rng) const;
 
+  /// The pixels that a trial needs: of the object, however it lies, and some of what is around it.
+  [[nodiscard]] PixelWindow Window(const Placement& placement) const;
+
   /// The object before its wall, which is the scene's floor: there is none behind objects so large
   /// that the segmentation would take their front for something that hangs in the air.
   [[nodiscard]] SimScene Scene(const ObjectModel& model) const;
 
-  /// m, of the ball about the model's center that holds the mesh.
-  [[nodiscard]] double radius() const { return radius_; }
-
  private:
-  Eigen::Vector3d center_;  // m, object frame
-  double radius_;
+  CameraModel camera_;
+  Eigen::Vector3d center_;     // m, object frame
+  double radius_;              // m, of the ball about the center that holds the mesh
   double nearest_, farthest_;  // m
   double aim_jitter_;          // m
   double wall_distance_;       // m, behind the center; < radius_: there is no wall

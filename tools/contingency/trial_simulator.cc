@@ -30,6 +30,16 @@ uint64_t Draw64(Rng& rng) {
   return high << 32U | rng.NextUint32();
 }
 
+// The camera that sees but a window.
+CameraModel WindowOf(const CameraModel& camera, const PixelWindow& window) {
+  CameraModel part = camera;
+  part.width = window.width();
+  part.height = window.height();
+  part.cx -= window.u0;
+  part.cy -= window.v0;
+  return part;
+}
+
 }  // namespace
 
 Result<void> TrialParameters::Validate() const {
@@ -103,12 +113,14 @@ std::optional<Eigen::Quaterniond> TrialSimulator::Detect(const Eigen::Quaternion
   Rng place(seed, kPlace);
   const TrialScene::Placement placement = parts.scene.Place(q_camera_object, place);
   parts.renderer.MoveObject(0, placement.T_world_camera * placement.T_camera_object);
-  const RenderedView& ideal = parts.renderer.Render(placement.T_world_camera);
+  const PixelWindow window = parts.scene.Window(placement);
+  const RenderedView& ideal = parts.renderer.Render(placement.T_world_camera, window);
   Rng device(seed, kDevice);
   parts.sensor.SetDevice(Draw64(device));
   parts.sensor.Measure(ideal, 0, 0.0, &parts.depth);
   Rng rng(seed, kEstimator);
-  const PoseEstimator::Output& output = parts.estimator->Estimate(parts.depth, parts.camera, rng);
+  const PoseEstimator::Output& output =
+      parts.estimator->Estimate(parts.depth, WindowOf(parts.camera, window), rng);
 
   // The best of the cluster that is nearest to the object, as in simulated sequences.
   const Eigen::Vector3d center = placement.T_camera_object * parts.center;
