@@ -137,7 +137,7 @@ class SymmetrySearch {
   [[nodiscard]] bool MayBeNearSymmetry(const Eigen::Matrix3d& linear) const {
     constexpr int kFew = 60;
     const double loose = 2.5 * parameters_.tolerance;
-    return CoarseError(object_.Register({linear, Eigen::Vector3d::Zero()}, kFew)) <= loose;
+    return CoarseError(object_.RegisterCoarsely({linear, Eigen::Vector3d::Zero()}, kFew)) <= loose;
   }
 
   // The representative orientations of least error, none near another.

@@ -117,19 +117,19 @@ void NearestSurface::Search(uint32_t node, const Query& query, double* squared, 
 }
 
 NearestSurface::Hit NearestSurface::Nearest(const Eigen::Vector3d& point) const {
-  Hit hit{Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(), 0.0};
-  double squared = std::numeric_limits<double>::max();
-  Search(0, {point, Eigen::Vector3d::Zero()}, &squared, &hit);
-  hit.normal.normalize();
-  hit.distance = std::sqrt(squared);
-  return hit;
+  return NearestWithin(point, std::sqrt(std::numeric_limits<double>::max()));
+}
+
+NearestSurface::Hit NearestSurface::NearestWithin(const Eigen::Vector3d& point,
+                                                  double reach) const {
+  return NearestFacing(point, Eigen::Vector3d::Zero(), reach);
 }
 
 NearestSurface::Hit NearestSurface::NearestFacing(const Eigen::Vector3d& point,
                                                   const Eigen::Vector3d& normal,
                                                   double reach) const {
   const double farthest = reach * reach;
-  Hit hit{point, normal, std::numeric_limits<double>::infinity()};
+  Hit hit{point, Eigen::Vector3d::UnitZ(), std::numeric_limits<double>::infinity()};
   double squared = farthest;
   Search(0, {point, normal}, &squared, &hit);
   if (squared >= farthest) return hit;

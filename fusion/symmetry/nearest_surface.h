@@ -23,6 +23,8 @@ class NearestSurface {
   explicit NearestSurface(const TriangleMesh& mesh);
 
   [[nodiscard]] Hit Nearest(const Eigen::Vector3d& point) const;
+  /// Not farther than `reach`, m; the nearer, the faster.
+  [[nodiscard]] Hit NearestWithin(const Eigen::Vector3d& point, double reach) const;
   /// Of the triangles whose outside lies within 90 degrees of `normal` and not farther than
   /// `reach`, m: the front of a thin sheet is not near its back.
   [[nodiscard]] Hit NearestFacing(const Eigen::Vector3d& point,

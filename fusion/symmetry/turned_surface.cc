@@ -39,17 +39,30 @@ void TurnedSurface::Tabulate() {
   for (const SurfacePoint& sample : samples_) {
     reach_ = std::max(reach_, static_cast<double>(sample.position.norm()));
   }
-  distances_.reserve(kTableSize * kTableSize * kTableSize);
+  table_.reserve(kTableSize * kTableSize * kTableSize);
   for (size_t x = 0; x < kTableSize; ++x) {
     for (size_t y = 0; y < kTableSize; ++y) {
       for (size_t z = 0; z < kTableSize; ++z) {
-        distances_.push_back(static_cast<float>(surface_.Nearest({At(x), At(y), At(z)}).distance));
+        const Eigen::Vector3d place(At(x), At(y), At(z));
+        // The nearest to the place before it can't be much farther than the nearest.
+        const double reach =
+            table_.empty() ? 1e3 * diameter_ : (table_.back().point - place).norm() + 1e-6 * reach_;
+        table_.push_back(surface_.NearestWithin(place, reach));
       }
     }
   }
 }
 
-double TurnedSurface::Tabulated(const Eigen::Vector3d& point) const {
+const NearestSurface::Hit& TurnedSurface::TabulatedHit(const Eigen::Vector3d& point) const {
+  size_t index = 0;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double place = std::round((point[i] / reach_ + 1.0) * kHalf);
+    index = index * kTableSize + static_cast<size_t>(std::clamp(place, 0.0, 2.0 * kHalf));
+  }
+  return table_[index];
+}
+
+double TurnedSurface::TabulatedDistance(const Eigen::Vector3d& point) const {
   std::array<size_t, 3> low{};
   std::array<double, 3> share{};
   for (size_t i = 0; i < 3; ++i) {
@@ -67,7 +80,7 @@ double TurnedSurface::Tabulated(const Eigen::Vector3d& point) const {
       weight *= step == 1 ? share[i] : 1.0 - share[i];
       index = index * kTableSize + low[i] + step;
     }
-    sum += weight * static_cast<double>(distances_[index]);
+    sum += weight * table_[index].distance;
   }
   return sum;
 }
@@ -79,7 +92,7 @@ double TurnedSurface::CoarseMse(const Motion& motion) const {
   double count = 0.0;
   for (size_t i = 0; i < samples_.size(); i += stride) {
     const double distance =
-        Tabulated(motion.linear * samples_[i].position.cast<double>() + motion.shift);
+        TabulatedDistance(motion.linear * samples_[i].position.cast<double>() + motion.shift);
     sum += distance * distance;
     count += 1.0;
   }
@@ -104,12 +117,15 @@ double TurnedSurface::Mse(const Motion& motion) const {
   return sum / static_cast<double>(2 * samples_.size());
 }
 
-TurnedSurface::Motion TurnedSurface::Register(Motion motion, int num_used) const {
+// `find` gives the nearest place of the surface to a point, and the weight that it has.
+template <class FindHit>
+TurnedSurface::Motion TurnedSurface::Descend(Motion motion,
+                                             int num_used,
+                                             const FindHit& find) const {
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
   using Vector6d = Eigen::Matrix<double, 6, 1>;
-  constexpr int kSteps = 20;
+  constexpr int kSteps = 12;
   constexpr double kLongest = 10.0 * kDegree;
-  const double outlying = 0.02 * diameter_;
   const size_t stride = std::max<size_t>(1, samples_.size() / static_cast<size_t>(num_used));
   for (int step = 0; step < kSteps; ++step) {
     Matrix6d normal_matrix = Matrix6d::Zero();
@@ -117,9 +133,7 @@ TurnedSurface::Motion TurnedSurface::Register(Motion motion, int num_used) const
     for (size_t i = 0; i < samples_.size(); i += stride) {
       const Eigen::Vector3d turned = motion.linear * samples_[i].position.cast<double>();
       const Eigen::Vector3d point = turned + motion.shift;
-      const NearestSurface::Hit hit = surface_.Nearest(point);
-      const double ratio = step < kSteps / 2 ? 0.0 : hit.distance / outlying;
-      const double weight = 1.0 / ((1.0 + ratio * ratio) * (1.0 + ratio * ratio));
+      const auto [hit, weight] = find(point);
       Vector6d jacobian;
       jacobian << (turned / diameter_).cross(hit.normal), hit.normal;
       normal_matrix.selfadjointView<Eigen::Lower>().rankUpdate(jacobian, weight);
@@ -132,11 +146,32 @@ TurnedSurface::Motion TurnedSurface::Register(Motion motion, int num_used) const
     if (angle > kLongest) change *= kLongest / angle;
     motion.linear = ExpSo3(change.head<3>()).toRotationMatrix() * motion.linear;
     motion.shift += diameter_ * change.tail<3>();
-    if (change.norm() > 1e-5) continue;
-    if (step >= kSteps / 2) break;
-    step = kSteps / 2 - 1;  // Converged without weights: on to those with.
+    if (change.norm() < 1e-5) break;
   }
   return motion;
+}
+
+namespace {
+struct WeightedHit {
+  NearestSurface::Hit hit;
+  double weight;
+};
+}  // namespace
+
+TurnedSurface::Motion TurnedSurface::RegisterCoarsely(const Motion& near, int num_used) const {
+  return Descend(near, num_used, [this](const Eigen::Vector3d& point) {
+    return WeightedHit{TabulatedHit(point), 1.0};
+  });
+}
+
+TurnedSurface::Motion TurnedSurface::Register(const Motion& near, int num_used) const {
+  const double outlying = 0.02 * diameter_;
+  return Descend(RegisterCoarsely(near, num_used), num_used, [&](const Eigen::Vector3d& point) {
+    const double reach = (TabulatedHit(point).point - point).norm() + 1e-6 * reach_;
+    const NearestSurface::Hit hit = surface_.NearestWithin(point, reach);
+    const double ratio = hit.distance / outlying;
+    return WeightedHit{hit, 1.0 / ((1.0 + ratio * ratio) * (1.0 + ratio * ratio))};
+  });
 }
 
 }  // namespace vantage

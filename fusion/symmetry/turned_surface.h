@@ -41,22 +41,28 @@ class TurnedSurface {
   /// m^2; between places that face alike, none counts more than a tenth of the diameter.
   [[nodiscard]] double Mse(const Motion& motion) const;
   /// The minimum of the error near a motion: iterated Gauss-Newton steps on the distances to the
-  /// tangent planes of the nearest points (Chen and Medioni 1992), rotation and translation;
-  /// outliers lose weight in the second half (Geman and McClure 1985).
+  /// tangent planes of the nearest points (Chen and Medioni 1992), rotation and translation; in the
+  /// first half with the planes of a table, in the second exactly, and outliers lose weight (Geman
+  /// and McClure 1985).
   /// @param num_used samples that take part.
-  [[nodiscard]] Motion Register(Motion motion, int num_used) const;
+  [[nodiscard]] Motion Register(const Motion& near, int num_used) const;
+  /// The first half alone.
+  [[nodiscard]] Motion RegisterCoarsely(const Motion& near, int num_used) const;
 
  private:
   [[nodiscard]] double At(size_t i) const;
   void Tabulate();
-  [[nodiscard]] double Tabulated(const Eigen::Vector3d& point) const;
+  [[nodiscard]] double TabulatedDistance(const Eigen::Vector3d& point) const;
+  [[nodiscard]] const NearestSurface::Hit& TabulatedHit(const Eigen::Vector3d& point) const;
+  template <class FindHit>
+  [[nodiscard]] Motion Descend(Motion motion, int num_used, const FindHit& find) const;
 
   Eigen::Vector3d centroid_;
   double diameter_;
   NearestSurface surface_;
-  std::vector<SurfacePoint> samples_;  // From the centroid.
-  double reach_ = 0.0;                 // m, half the edge of the table's cube.
-  std::vector<float> distances_;
+  std::vector<SurfacePoint> samples_;       // From the centroid.
+  double reach_ = 0.0;                      // m, half the edge of the table's cube.
+  std::vector<NearestSurface::Hit> table_;  // Nearest to the places of a lattice.
 };
 
 }  // namespace vantage
