@@ -27,7 +27,7 @@ void AddSegmentation(const SegmentationParameters& parameters, ParameterText* te
                min_points,
                concave_angle_deg,
                noise] = parameters;
-  const auto& [iterations, inlier_sigmas, min_extent, min_share, max_planes] = plane;
+  const auto& [iterations, inlier_sigmas, min_extent, min_share, max_planes, grid_px] = plane;
   LineWithNoise(text,
                 "segmentation",
                 noise,
@@ -42,6 +42,7 @@ void AddSegmentation(const SegmentationParameters& parameters, ParameterText* te
                 min_points,
                 concave_angle_deg);
   text->Line("plane", iterations, inlier_sigmas, min_extent, min_share, max_planes);
+  if (grid_px != 0) text->Line("grid", grid_px);
 }
 
 void AddNormals(const NormalParameters& parameters, ParameterText* text) {

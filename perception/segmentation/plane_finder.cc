@@ -80,7 +80,7 @@ void PlaneFinder::Points::Add(const Points& from, size_t i) {
 
 // Row by row.
 void PlaneFinder::Collect(const DepthImage& depth, double min_depth, double max_depth) {
-  const int step = std::max(1, depth.width / 80);
+  const int step = parameters_.grid_px > 0 ? parameters_.grid_px : std::max(1, depth.width / 80);
   cells_.Clear();
   points_.Clear();
   is_free_.clear();

@@ -29,6 +29,10 @@ Result<void> SupportPlaneParameters::Validate() const {
                         min_extent,
                         min_share)};
   }
+  if (grid_px < 0) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("support plane: grid_px = %d, expected 0 or more", grid_px)};
+  }
   return {};
 }
 

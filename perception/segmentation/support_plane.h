@@ -36,6 +36,9 @@ struct SupportPlaneParameters {
   double min_extent = 0.25;    ///< m; a plane of smaller extent is a face of an object
   double min_share = 0.2;      ///< [0, 1] of all points; a quarter of it past the first plane
   int max_planes = 3;          ///< that are looked for
+  /// px between the points that are looked at; 0: an 80th of the image's width. For windows of an
+  /// image, whose points shall not lie denser than the image's.
+  int grid_px = 0;
   Result<void> Validate() const;
 };
 

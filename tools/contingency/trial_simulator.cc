@@ -1,5 +1,6 @@
 #include "tools/contingency/trial_simulator.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,10 +20,21 @@ namespace {
 // Streams of one trial's random numbers.
 enum Stream : uint64_t { kPlace = 1, kDevice, kEstimator };
 
+// Looks for planes in windows as densely as in the whole image.
+template <class Parameters>
+Parameters ForWindows(Parameters parameters, const CameraModel& camera) {
+  int& grid_px = parameters.estimation.segmentation.plane.grid_px;
+  if (grid_px == 0) grid_px = std::max(1, camera.width / 80);
+  return parameters;
+}
+
 Result<std::unique_ptr<PoseEstimator>> CreateEstimator(const ObjectModel& model,
                                                        const TrialParameters& parameters) {
-  if (parameters.estimator == "shot") return CreateShotEstimator({model}, parameters.shot);
-  return CreatePpfEstimator(std::vector<ObjectModel>{model}, parameters.ppf);
+  if (parameters.estimator == "shot") {
+    return CreateShotEstimator({model}, ForWindows(parameters.shot, parameters.camera));
+  }
+  return CreatePpfEstimator(std::vector<ObjectModel>{model},
+                            ForWindows(parameters.ppf, parameters.camera));
 }
 
 uint64_t Draw64(Rng& rng) {
