@@ -81,11 +81,11 @@ std::vector<LikelyPose> WithEquivalents(const TrackedModel& model) {
 OrientationKnowledge KnowledgeOf(const TrackedModel& model,
                                  const So3Grid& grid,
                                  double uniform_share) {
-  if (model.likely_poses.empty()) return {{}, model.symmetry};
+  if (model.likely_poses.empty()) return {{}, model.symmetry, model.confusion.get()};
   Result<OrientationPrior> prior =
       OrientationPrior::AroundPoses(grid, WithEquivalents(model), uniform_share);
   VANTAGE_CHECK(prior.ok(), prior.error().message);
-  return {std::move(prior).value(), model.symmetry};
+  return {std::move(prior).value(), model.symmetry, model.confusion.get()};
 }
 
 }  // namespace
@@ -228,8 +228,11 @@ void ObjectTracker::Fuse(size_t instance) {
   for (const Observation& observation : object.observations) {
     const double w_v = VerificationWeight(observation.mse, parameters_.orientation.sigma_vw);
     positions.push_back({observation.T_world_object * center, w_v});
-    orientations.push_back(
-        {Eigen::Quaterniond(observation.T_world_object.linear()).normalized(), observation.mse});
+    const Pose& T_world_camera =
+        state_.viewpoints[static_cast<size_t>(observation.viewpoint)].T_world_camera;
+    orientations.push_back({Eigen::Quaterniond(observation.T_world_object.linear()).normalized(),
+                            observation.mse,
+                            Eigen::Quaterniond(T_world_camera.linear()).normalized()});
     fused.verification_weight += w_v;
   }
   fused.position = FusePositions(positions, parameters_.position);
@@ -253,6 +256,7 @@ ObjectEstimate ObjectTracker::Estimate(size_t instance) const {
   estimate.center_world = fused.position.p_world;
   estimate.center_covariance = fused.position.covariance;
   estimate.peaks = fused.orientation.peaks();
+  estimate.belief = fused.orientation.belief();
   estimate.entropy = fused.orientation.histogram().Entropy();
   estimate.converged = fused.orientation.converged();
   estimate.last_change = fused.orientation.last_change();

@@ -2,11 +2,14 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/detection.h"
 #include "common/result.h"
+#include "fusion/confusion/confusion_model.h"
+#include "fusion/confusion/mode_belief.h"
 #include "fusion/orientation_filter.h"
 #include "fusion/position_filter.h"
 #include "fusion/so3_grid.h"
@@ -23,6 +26,8 @@ struct TrackedModel {
   SymmetryGroup symmetry = SymmetryGroup::None();
   /// Orientations that it is often found in, each with its equivalents; empty: all are as likely.
   std::vector<LikelyPose> likely_poses = {};
+  /// What its estimator takes for what; shared with the planner; null: not measured.
+  std::shared_ptr<const ConfusionModel> confusion = nullptr;
 };
 
 struct ObjectTrackerParameters {
@@ -52,7 +57,10 @@ struct ObjectEstimate {
   Eigen::Vector3d center_world = Eigen::Vector3d::Zero();       ///< m, of the model's center
   Eigen::Matrix3d center_covariance = Eigen::Matrix3d::Zero();  ///< m^2
   std::vector<OrientationPeak> peaks;                           ///< best first, at least one
-  double entropy = 0.0;                                         ///< nat
+  /// Best first; empty without a confusion model. Of the viewpoints that it was detected from: from
+  /// others it may have been hidden.
+  std::vector<OrientationHypothesis> belief;
+  double entropy = 0.0;  ///< nat
   bool converged = false;
   double last_change = -1.0;                        ///< rad
   double verification_weight = 0.0;                 ///< sum of w_v over the views

@@ -11,6 +11,41 @@
 #include "fusion/verification_weight.h"
 
 namespace vantage {
+namespace {
+
+// An orientation that a detection may stand for.
+struct Truth {
+  Eigen::Quaterniond q_world_object;
+  double share;
+};
+
+// P(truth | detection) of one view without a prior (paper eq. 8), what is left by outliers being
+// `everywhere`. The detection itself where no more is known.
+std::vector<Truth> TruthsOf(const OrientationView& view,
+                            const ConfusionModel* confusion,
+                            double* everywhere) {
+  const Eigen::Quaterniond q = view.q_world_object.normalized();
+  if (confusion == nullptr || !view.q_world_camera) return {{q, 1.0}};
+  const Eigen::Quaterniond q_camera_world = view.q_world_camera->normalized().conjugate();
+  const double outliers = confusion->parameters().outlier_share;
+  std::vector<Truth> truths;
+  double sum = outliers;
+  for (int mode = 0; mode < confusion->num_modes(); ++mode) {
+    const Eigen::Quaterniond truth = q * confusion->Difference(mode).conjugate();
+    const int direction = confusion->DirectionOf(q_camera_world * truth);
+    double share = (1.0 - outliers) * confusion->ShareFrom(direction, mode);
+    // A detection may be right even where none ever was.
+    if (mode == 0) share = confusion->WithOutliers(confusion->ShareFrom(direction, mode));
+    if (share <= 0.0) continue;
+    truths.push_back({truth, share});
+    sum += share;
+  }
+  for (Truth& truth : truths) truth.share /= sum;
+  *everywhere = outliers / sum;
+  return truths;
+}
+
+}  // namespace
 
 Result<void> OrientationFilterParameters::Validate() const {
   if (!(sigma_cw > 0.0 && sigma_cw <= std::numbers::pi)) {
@@ -68,6 +103,7 @@ void OrientationFilter::Fuse(const std::vector<OrientationView>& views) {
     FuseAll();
     if (views.empty()) {
       peaks_.clear();
+      belief_.clear();
       return;
     }
     if (num_same == views.size()) {
@@ -87,6 +123,7 @@ void OrientationFilter::FuseAll() {
   histogram_ = OrientationHistogram(*grid_, knowledge_.prior);
   kernels_.clear();
   support_.clear();
+  last_view_ = 0;
   for (size_t i = 0; i < views_.size(); ++i) {
     const auto num_motions = static_cast<double>(views_.size() - 1 - i);
     AddToHistogram(views_[i], parameters_.sigma_motion * std::sqrt(num_motions));
@@ -108,26 +145,50 @@ void OrientationFilter::AddToHistogram(const OrientationView& view, double sigma
       histogram_.Add(q, sigma, 1.0);
       break;
     case FinalOrientation::kCwVwClustering:
-      if (w_v > 0.0) histogram_.Add(q, sigma, w_v);
-      break;
     case FinalOrientation::kDensityMode:
-      if (w_v <= 0.0) break;
-      histogram_.Add(q, sigma, w_v);
-      AddKernel({q, sigma_motion, w_v * PrecisionWeight(view.mse, parameters_.mode)}, w_v);
+      if (w_v > 0.0) AddDetection(view, sigma_motion, w_v);
       break;
+  }
+}
+
+void OrientationFilter::AddDetection(const OrientationView& view, double sigma_motion, double w_v) {
+  const double sigma = std::hypot(parameters_.sigma_cw, sigma_motion);
+  const double precision = PrecisionWeight(view.mse, parameters_.mode);
+  double everywhere = 0.0;
+  std::vector<OrientationKernel> kernels;
+  std::vector<double> weights;
+  for (const Truth& truth : TruthsOf(view, knowledge_.confusion, &everywhere)) {
+    const double weight = w_v * truth.share;
+    histogram_.Add(truth.q_world_object, sigma, weight);
+    kernels.push_back({truth.q_world_object, sigma_motion, weight * precision});
+    weights.push_back(weight);
+  }
+  if (everywhere > 0.0) histogram_.AddDensity({}, w_v * everywhere);
+  if (parameters_.final_orientation == FinalOrientation::kDensityMode) {
+    AddKernels(kernels, weights);
   }
 }
 
 // A detection that repeats the last one adds to its weight, so that a camera and an object at rest
 // cost no more with every frame.
-void OrientationFilter::AddKernel(const OrientationKernel& kernel, double w_v) {
-  if (!kernels_.empty() && kernels_.back().q.coeffs() == kernel.q.coeffs() &&
-      kernels_.back().sigma == kernel.sigma) {
-    kernels_.back().weight += kernel.weight;
-    support_.back() += w_v;
-  } else {
-    kernels_.push_back(kernel);
-    support_.push_back(w_v);
+void OrientationFilter::AddKernels(const std::vector<OrientationKernel>& kernels,
+                                   const std::vector<double>& w_v) {
+  const bool repeats = std::equal(kernels.begin(),
+                                  kernels.end(),
+                                  kernels_.begin() + static_cast<std::ptrdiff_t>(last_view_),
+                                  kernels_.end(),
+                                  [](const OrientationKernel& a, const OrientationKernel& b) {
+                                    return a.q.coeffs() == b.q.coeffs() && a.sigma == b.sigma;
+                                  });
+  if (!repeats) {
+    last_view_ = kernels_.size();
+    kernels_.insert(kernels_.end(), kernels.begin(), kernels.end());
+    support_.insert(support_.end(), w_v.begin(), w_v.end());
+    return;
+  }
+  for (size_t i = 0; i < kernels.size(); ++i) {
+    kernels_[last_view_ + i].weight += kernels[i].weight;
+    support_[last_view_ + i] += w_v[i];
   }
 }
 
@@ -147,6 +208,7 @@ void OrientationFilter::FindFinalOrientation() {
         break;
     }
   }
+  RankByBelief();
   q_f_.emplace_back();
   if (!peaks_.empty()) q_f_.back() = peaks_.front().q;
 }
@@ -159,19 +221,14 @@ void OrientationFilter::RefinePeaks() {
     double support;
   };
   std::vector<Refined> refined;
-  for (OrientationPeak& peak : peaks_) {
-    const DensityMode mode = RefineMode(kernels_, peak.q, parameters_.mode, knowledge_.symmetry);
+  for (const OrientationPeak& cluster : peaks_) {
+    const OrientationPeak peak = AtMode(cluster);
     const auto same = std::find_if(refined.begin(), refined.end(), [&](const Refined& other) {
-      return SymmetricAngle(knowledge_.symmetry, mode.q, other.peak.q) < parameters_.sigma_cw;
+      return SymmetricAngle(knowledge_.symmetry, peak.q, other.peak.q) < parameters_.sigma_cw;
     });
     if (same != refined.end()) {
       same->peak.weight += peak.weight;
       continue;
-    }
-    if (mode.density > 0.0) {  // Otherwise no kernel reaches the peak: the cluster's mean stays.
-      peak.q = mode.q;
-      peak.covariance = mode.covariance;
-      peak.spread = std::sqrt(mode.covariance.trace());
     }
     refined.push_back({peak, Support(peak.q)});
   }
@@ -180,6 +237,70 @@ void OrientationFilter::RefinePeaks() {
   });
   peaks_.clear();
   for (const Refined& one : refined) peaks_.push_back(one.peak);
+}
+
+OrientationPeak OrientationFilter::AtMode(OrientationPeak peak) const {
+  const DensityMode mode = RefineMode(kernels_, peak.q, parameters_.mode, knowledge_.symmetry);
+  if (mode.density <= 0.0) return peak;  // No kernel reaches it: the cluster's mean stays.
+  peak.q = mode.q;
+  peak.covariance = mode.covariance;
+  peak.spread = std::sqrt(mode.covariance.trace());
+  return peak;
+}
+
+// Peaks by the probability of the hypotheses that they are the nearest to. The best hypothesis has
+// one even where the histogram is low: views can outvote what they rule out one by one.
+void OrientationFilter::RankByBelief() {
+  belief_.clear();
+  if (knowledge_.confusion == nullptr || peaks_.empty()) return;
+  std::vector<ConfusionView> views;
+  for (const OrientationView& view : views_) {
+    const bool counts = VerificationWeight(view.mse, parameters_.sigma_vw) > 0.0;
+    if (!view.q_world_camera || !counts) continue;
+    views.push_back({view.q_world_camera->normalized(), view.q_world_object.normalized()});
+  }
+  belief_ = ModeBelief(*knowledge_.confusion, views);
+  const double reach = knowledge_.confusion->parameters().mode_radius + parameters_.sigma_cw;
+  std::vector<std::pair<double, OrientationPeak>> ranked;
+  for (const OrientationPeak& peak : peaks_) ranked.emplace_back(0.0, peak);
+  for (size_t i = 0; i < belief_.size(); ++i) {
+    std::pair<double, OrientationPeak>* nearest = nullptr;
+    double least = reach;
+    for (auto& peak : ranked) {
+      const double angle =
+          SymmetricAngle(knowledge_.symmetry, peak.second.q, belief_[i].q_world_object);
+      if (angle >= least) continue;
+      least = angle;
+      nearest = &peak;
+    }
+    if (nearest != nullptr) {
+      nearest->first += belief_[i].probability;
+    } else if (i == 0) {
+      ranked.emplace_back(belief_[i].probability, PeakOf(belief_[i]));
+    }
+  }
+  std::stable_sort(
+      ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  peaks_.clear();
+  for (const auto& [probability, peak] : ranked) peaks_.push_back(peak);
+}
+
+OrientationPeak OrientationFilter::PeakOf(const OrientationHypothesis& hypothesis) const {
+  OrientationPeak peak;
+  peak.q = hypothesis.q_world_object;
+  // As much of the mass as is within reach, as the clusters have theirs.
+  std::vector<So3Grid::NearCell> cells;
+  grid_->CellsWithin(peak.q, 2.0 * parameters_.sigma_cw, &cells);
+  double mass = 0.0;
+  for (const So3Grid::NearCell& cell : cells) {
+    const double weight = static_cast<double>(histogram_.weights().At(cell.ordinal)) * cell.area;
+    mass += weight;
+    peak.spread += weight * cell.squared_angle;
+  }
+  peak.weight = mass / histogram_.Mass();
+  peak.spread = mass > 0.0 ? std::sqrt(peak.spread / mass) : parameters_.sigma_cw;
+  peak.covariance = peak.spread * peak.spread / 3.0 * Eigen::Matrix3d::Identity();
+  return parameters_.final_orientation == FinalOrientation::kDensityMode ? AtMode(peak) : peak;
 }
 
 // What the histogram's weight (eq. 5) at an orientation would be on a grid without cells, modulo

@@ -8,6 +8,8 @@
 #include "common/result.h"
 #include "common/so3.h"
 #include "common/symmetry_group.h"
+#include "fusion/confusion/confusion_model.h"
+#include "fusion/confusion/mode_belief.h"
 #include "fusion/final_orientation.h"
 #include "fusion/mode_refinement.h"
 #include "fusion/orientation_fusion.h"
@@ -41,9 +43,17 @@ struct OrientationKnowledge {
   OrientationPrior prior{};  ///< of the filter's grid
   /// Orientations that it makes equal are one to the density's mode and to convergence.
   SymmetryGroup symmetry = SymmetryGroup::None();
+  /// What the estimator takes for what; outlives the filter; null: not measured. Used of views that
+  /// know their camera, by kCwVwClustering and kDensityMode.
+  const ConfusionModel* confusion = nullptr;
 };
 
 /// The histogram filter: the orientation of one object, fused from one detection a view.
+///
+/// With a confusion model a detection q_D is added at each truth q_D q'* that it may stand for,
+/// with the share of the mode q' from where that truth is seen: the accuracy weights of paper 6.1
+/// free of the grid (with the identity as the only mode, the confidence weights). The peaks then
+/// are in the order of the belief that all views leave.
 class OrientationFilter : public OrientationFusion {
  public:
   /// @param grid outlives the filter. @param parameters valid.
@@ -63,6 +73,9 @@ class OrientationFilter : public OrientationFusion {
   [[nodiscard]] const OrientationHistogram& histogram() const { return histogram_; }
   /// Modes, best first; empty while no view has weight.
   [[nodiscard]] const std::vector<OrientationPeak>& peaks() const { return peaks_; }
+  /// The posterior over the truths that the views allow, best first; empty without a confusion
+  /// model.
+  [[nodiscard]] const std::vector<OrientationHypothesis>& belief() const { return belief_; }
   /// Angle between the last two q_f, modulo symmetry, rad; -1 while there are none.
   [[nodiscard]] double last_change() const;
   /// The termination condition of paper 5.2.
@@ -70,11 +83,15 @@ class OrientationFilter : public OrientationFusion {
 
  private:
   void AddToHistogram(const OrientationView& view, double sigma_motion);
-  void AddKernel(const OrientationKernel& kernel, double w_v);
+  void AddDetection(const OrientationView& view, double sigma_motion, double w_v);
+  void AddKernels(const std::vector<OrientationKernel>& kernels, const std::vector<double>& w_v);
   [[nodiscard]] double Support(const Eigen::Quaterniond& q) const;
   void FuseAll();
   void FindFinalOrientation();
   void RefinePeaks();
+  [[nodiscard]] OrientationPeak AtMode(OrientationPeak peak) const;
+  void RankByBelief();
+  [[nodiscard]] OrientationPeak PeakOf(const OrientationHypothesis& hypothesis) const;
   [[nodiscard]] Eigen::Quaterniond HeaviestCell() const;
   // Angle between q_f so many views ago and the one before, rad; -1 where either is none.
   [[nodiscard]] double ChangeAt(int age) const;
@@ -86,7 +103,9 @@ class OrientationFilter : public OrientationFusion {
   std::vector<OrientationView> views_;
   std::vector<OrientationKernel> kernels_;  // Of views with weight.
   std::vector<double> support_;             // w_v of each.
+  size_t last_view_ = 0;                    // First kernel of the last view.
   std::vector<OrientationPeak> peaks_;
+  std::vector<OrientationHypothesis> belief_;
   std::vector<std::optional<Eigen::Quaterniond>> q_f_;  // After each view; none without weight.
 };
 
