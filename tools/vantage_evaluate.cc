@@ -1,6 +1,6 @@
 // Regenerates the paper's evaluation: simulated views, the real estimator, every fusion method on
-// the same detections, a report. Or tunes the methods on other sequences. Or holds single views of
-// real datasets against their ground truth.
+// the same detections, a report. Or what measured confusion is good for. Or tunes the methods on
+// other sequences. Or holds single views of real datasets against their ground truth.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -23,6 +23,10 @@
 #include "perception/model/object_model.h"
 #include "tools/evaluate/accuracy_text.h"
 #include "tools/evaluate/clustering_sweep.h"
+#include "tools/evaluate/confusion_evaluation.h"
+#include "tools/evaluate/confusion_report.h"
+#include "tools/evaluate/confusion_statistics.h"
+#include "tools/evaluate/confusion_text.h"
 #include "tools/evaluate/dataset_report.h"
 #include "tools/evaluate/dataset_run.h"
 #include "tools/evaluate/dataset_text.h"
@@ -44,10 +48,14 @@ namespace fs = std::filesystem;
 
 constexpr int kEvaluationSequences = 60;
 constexpr int kTuningSequences = 10;
+constexpr int kConfusionSequences = 40;
+constexpr int kEvaluationViews = 12;
+constexpr int kConfusionViews = 15;
 constexpr uint64_t kTuningSeed = 1000;  // Added to the evaluation's.
 
 struct Arguments {
   bool paper = false;
+  bool confusion = false;
   bool tune = false;
   std::string dataset;  // Folder; empty: not that work.
   std::string meshes;   // Empty: beside the dataset.
@@ -58,7 +66,7 @@ struct Arguments {
   std::string output = "out/evaluate";
   std::string name;    // Empty: of the work.
   int sequences = -1;  // Below 0: what suits the work.
-  int views = 12;
+  int views = -1;      // Alike.
   uint64_t seed = 1;
   int threads = 0;
   int k = 32;
@@ -159,16 +167,17 @@ void MeasureGrids(int largest, EvaluationResults* results) {
   }
 }
 
+std::string OptionsText(const Arguments& arguments) {
+  std::string text = Format(" --models %s", arguments.models.c_str());
+  for (const std::string& name : arguments.use) text += " --use " + name;
+  return text + Format(" --sequences %d --views %d --seed %llu",
+                       arguments.sequences,
+                       arguments.views,
+                       static_cast<unsigned long long>(arguments.seed));
+}
+
 std::string CommandText(const Arguments& arguments) {
-  std::string command = "vantage-evaluate --paper";
-  command += Format(" --models %s", arguments.models.c_str());
-  for (const std::string& name : arguments.use) command += " --use " + name;
-  command += Format(" --sequences %d --views %d --seed %llu --k %d",
-                    arguments.sequences,
-                    arguments.views,
-                    static_cast<unsigned long long>(arguments.seed),
-                    arguments.k);
-  return command;
+  return "vantage-evaluate --paper" + OptionsText(arguments) + Format(" --k %d", arguments.k);
 }
 
 /// What is needed at the end is looked for at the start.
@@ -300,6 +309,40 @@ Result<int> Evaluate(const Arguments& arguments) {
   return missed.empty() ? 0 : 1;
 }
 
+/// @return the exit code.
+Result<int> EvaluateConfusions(const Arguments& arguments) {
+  const Interrupt interrupt("the work begun");
+  const fs::path folder =
+      fs::path(arguments.output) / (arguments.name.empty() ? "confusion" : arguments.name);
+  if (const auto prepared = PrepareOutput(folder); !prepared) return prepared.error();
+  const ConfusionRequest request{arguments.use,
+                                 arguments.models,
+                                 fs::path(arguments.output) / "cache",
+                                 arguments.sequences,
+                                 arguments.views,
+                                 arguments.seed,
+                                 arguments.threads};
+  ConfusionResults results;
+  results.command = "vantage-evaluate --confusion" + OptionsText(arguments);
+  results.version = VANTAGE_VERSION;
+  const ConfusionProgress progress = [](const std::string& what) {
+    const auto bar = std::make_shared<ShownProgress>(what);
+    return [bar](int64_t done, int64_t total) { bar->Show(done, total); };
+  };
+  const Result<bool> is_complete =
+      EvaluateConfusion(request, interrupt.token(), progress, &results);
+  if (!is_complete) return is_complete.error();
+  if (!*is_complete) return kInterrupted;
+  if (const auto written = WriteConfusionReport(results, folder); !written) {
+    return written.error();
+  }
+  std::printf("%s%s\n", ConfusionText(results).c_str(), (folder / "report.html").c_str());
+  if (!arguments.check) return 0;
+  const std::vector<std::string> missed = MissedBars(results);
+  for (const std::string& bar : missed) std::fprintf(stderr, "%s\n", bar.c_str());
+  return missed.empty() ? 0 : 1;
+}
+
 std::string DatasetCommand(const Arguments& arguments) {
   std::string command = "vantage-evaluate --dataset " + arguments.dataset;
   if (!arguments.meshes.empty()) command += " --meshes " + arguments.meshes;
@@ -360,14 +403,17 @@ Result<int> EvaluateDatasets(const Arguments& arguments) {
 int Main(int argc, char** argv) {
   CLI::App app(
       "Regenerates the paper's Tables 1 and 2 and Figures 4, 8, 10, 14 and 15 with simulated views "
-      "and the real estimator, and compares every fusion method on the same detections. Detections "
-      "are cached: an interrupted run goes on where it ended. Or evaluates estimators on single "
-      "views "
-      "of real datasets.",
+      "and the real estimator, and compares every fusion method on the same detections; or Table 3 "
+      "and Figures 5, 6 and 16 to 18 with measured contingency tables, and how many views every "
+      "way to choose the next one needs. What takes long is cached: an interrupted run goes on "
+      "where it ended. Or evaluates estimators on single views of real datasets.",
       "vantage-evaluate");
   Arguments arguments;
   CLI::Option_group* work = app.add_option_group("what to do");
-  work->add_flag("--paper", arguments.paper, "Everything that the paper shows");
+  work->add_flag("--paper", arguments.paper, "What the paper shows of fusion");
+  work->add_flag("--confusion",
+                 arguments.confusion,
+                 "What it shows of contingency tables and next views, and views needed");
   work->add_flag("--tune",
                  arguments.tune,
                  "Tries parameters of every method on sequences of the seed plus 1000");
@@ -385,14 +431,19 @@ int Main(int argc, char** argv) {
   app.add_option("--models", arguments.models, "Folder with one folder a model")
       ->multi_option_policy(last)
       ->capture_default_str();
-  app.add_option("--use", arguments.use, "Models of that folder; all of them by default");
+  app.add_option("--use",
+                 arguments.use,
+                 "Models of that folder, by default all of them; with --confusion also generated "
+                 "objects, by default those that look alike from several sides");
   app.add_option("--sequences",
                  arguments.sequences,
-                 "Random sequences of each model, by default 60, or 10 to tune on")
+                 "Random sequences of each model, by default 60, 40 with --confusion, or 10 to "
+                 "tune on")
       ->check(CLI::Range(0, 100000));
-  app.add_option("--views", arguments.views, "Views of a random sequence")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  app.add_option("--views",
+                 arguments.views,
+                 "Views of a random sequence, by default 12, or 15 with --confusion")
+      ->check(CLI::Range(1, 1000));
   app.add_option("--seed", arguments.seed, "Of all that is random")
       ->check(CLI::Range(int64_t{0}, INT64_MAX))
       ->capture_default_str();
@@ -408,18 +459,25 @@ int Main(int argc, char** argv) {
   app.add_option("--output", arguments.output, "Folder of the cache and the reports")
       ->multi_option_policy(last)
       ->capture_default_str();
-  app.add_option(
-      "--name", arguments.name, "The report goes to OUTPUT/NAME, by default paper or dataset");
+  app.add_option("--name",
+                 arguments.name,
+                 "The report goes to OUTPUT/NAME, by default paper, confusion or dataset");
   app.add_flag("--check", arguments.check, "Exit with 1 where a bar is missed");
   if (const auto code = ParseCommandLine(app, argc, argv)) return *code;
   if (arguments.threads == 0) {
     arguments.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   }
   if (arguments.sequences < 0) {
-    arguments.sequences = arguments.tune ? kTuningSequences : kEvaluationSequences;
+    arguments.sequences = arguments.tune        ? kTuningSequences
+                          : arguments.confusion ? kConfusionSequences
+                                                : kEvaluationSequences;
+  }
+  if (arguments.views < 0) {
+    arguments.views = arguments.confusion ? kConfusionViews : kEvaluationViews;
   }
   const Result<int> code = !arguments.dataset.empty() ? EvaluateDatasets(arguments)
                            : arguments.tune           ? Tune(arguments)
+                           : arguments.confusion      ? EvaluateConfusions(arguments)
                                                       : Evaluate(arguments);
   if (code) return *code;
   std::fprintf(stderr, "vantage-evaluate: %s\n", code.error().message.c_str());

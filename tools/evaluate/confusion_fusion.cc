@@ -157,10 +157,10 @@ Result<void> AppendPeaks(int k,
   if (!weights) return weights.error();
   if (object.circles.empty()) return {};
   const DetectionSequence& circle = object.circles.front();
-  for (const int views : after_views) {
-    const std::vector<Seen> seen = SeenIn(circle, static_cast<size_t>(views));
-    if (seen.empty()) continue;
-    for (const bool is_accuracy : {false, true}) {
+  for (const bool is_accuracy : {false, true}) {
+    for (const int views : after_views) {
+      const std::vector<Seen> seen = SeenIn(circle, static_cast<size_t>(views));
+      if (seen.empty()) continue;
       const OrientationHistogram histogram = is_accuracy
                                                  ? FuseByAccuracy(*grid, seen, false, &*weights)
                                                  : FuseByConfidence(*grid, seen);
