@@ -22,6 +22,18 @@ TriangleMesh Fish();
 TriangleMesh Pony();
 TriangleMesh Turtle();
 
+// Of a symmetry that one small feature breaks.
+TriangleMesh Brick();
+TriangleMesh Cap();
+TriangleMesh Cross();
+TriangleMesh Flange();
+TriangleMesh Knob();
+TriangleMesh Nut();
+TriangleMesh Plug();
+TriangleMesh Reel();
+TriangleMesh Star();
+TriangleMesh Valve();
+
 /// A shift, m.
 inline Pose At(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
 

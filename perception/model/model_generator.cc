@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "common/format.h"
 #include "common/so3.h"
@@ -259,28 +260,53 @@ const std::array<Recipe, 18> kRecipes = {{
     {"turtle", "turtle, free-form, left and right alike", Turtle, SymmetryGroup::None},
 }};
 
+const std::array<Recipe, 10> kAmbiguousRecipes = {{
+    {"flange", "scalloped flange, 6-fold but for a lug", Flange, SymmetryGroup::None},
+    {"cross", "four arms, 4-fold but for a tab", Cross, SymmetryGroup::None},
+    {"valve", "hand wheel, 3-fold but for a stub", Valve, SymmetryGroup::None},
+    {"brick", "box, half turns about three axes but for a stud", Brick, SymmetryGroup::None},
+    {"plug", "flat plug, 2-fold but for a rib", Plug, SymmetryGroup::None},
+    {"knob", "knob, continuous but for a pointer below", Knob, SymmetryGroup::None},
+    {"cap", "dome, continuous but for a spout", Cap, SymmetryGroup::None},
+    {"star", "star, 5-fold but for a step in one point", Star, SymmetryGroup::None},
+    {"nut", "hexagonal prism, the same upside down, but for a tab", Nut, SymmetryGroup::None},
+    {"reel", "reel, continuous, the same upside down, but for a pin", Reel, SymmetryGroup::None},
+}};
+
+std::span<const Recipe> Recipes(ObjectSet set) {
+  if (set == ObjectSet::kBundled) return kRecipes;
+  return kAmbiguousRecipes;
+}
+
+constexpr ObjectSet kSets[] = {ObjectSet::kBundled, ObjectSet::kAmbiguous};
+
+GeneratedObject Make(const Recipe& recipe) {
+  GeneratedObject object{recipe.name, recipe.what, recipe.make(), recipe.symmetry()};
+  // On a grid of about a micrometre, so that the last bits of a platform's sin and cos are lost.
+  constexpr float kGrid = 0x1.0p-20F;
+  for (Eigen::Vector3f& vertex : object.mesh.vertices) {
+    for (float& value : vertex) value = kGrid * std::round(value / kGrid) + 0.0F;
+  }
+  return object;
+}
+
 }  // namespace
 
-std::vector<std::string> GeneratedObjectNames() {
+std::vector<std::string> GeneratedObjectNames(ObjectSet set) {
   std::vector<std::string> names;
-  for (const Recipe& recipe : kRecipes) names.emplace_back(recipe.name);
+  for (const Recipe& recipe : Recipes(set)) names.emplace_back(recipe.name);
   return names;
 }
 
 Result<GeneratedObject> GenerateObject(const std::string& name) {
-  for (const Recipe& recipe : kRecipes) {
-    if (name != recipe.name) continue;
-    GeneratedObject object{recipe.name, recipe.what, recipe.make(), recipe.symmetry()};
-    // On a grid of about a micrometre, so that the last bits of a platform's sin and cos are lost.
-    constexpr float kGrid = 0x1.0p-20F;
-    for (Eigen::Vector3f& vertex : object.mesh.vertices) {
-      for (float& value : vertex) value = kGrid * std::round(value / kGrid) + 0.0F;
-    }
-    return object;
-  }
   std::string names;
-  for (const Recipe& recipe : kRecipes)
-    names += names.empty() ? recipe.name : std::string(", ") + recipe.name;
+  for (const ObjectSet set : kSets) {
+    for (const Recipe& recipe : Recipes(set)) {
+      if (name == recipe.name) return Make(recipe);
+      if (!names.empty()) names += ", ";
+      names += recipe.name;
+    }
+  }
   return Error{
       ErrorCode::kNotFound,
       Format("no object \"%s\" to generate, expected one of %s", name.c_str(), names.c_str())};

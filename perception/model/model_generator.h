@@ -17,7 +17,13 @@ struct GeneratedObject {
   SymmetryGroup symmetry;  ///< Exact, but that round bodies are polygons of 48 or more corners.
 };
 
-/// Names of all objects, in order:
+/// Which of the objects.
+enum class ObjectSet {
+  kBundled,    ///< in models/
+  kAmbiguous,  ///< symmetric but for one feature of 10 to 20 mm that most directions hide
+};
+
+/// Names of the objects of a set, in order. The bundled ones:
 ///   filter   no symmetry but for one boss 2-fold, like an oil filter's housing
 ///   shampoo  2-fold about z
 ///   hub      no symmetry but for one boss 4-fold
@@ -36,7 +42,18 @@ struct GeneratedObject {
 ///   sauce    no symmetry but for a thumb rest 2-fold
 ///   spray    no symmetry: its body is 2-fold, its head is not
 ///   turtle   no symmetry, free-form; left and right alike
-std::vector<std::string> GeneratedObjectNames();
+/// The ambiguous ones, all without symmetry, and what they had without the feature:
+///   flange   6-fold
+///   cross    4-fold
+///   valve    3-fold
+///   brick    half turns about x, y and z
+///   plug     2-fold
+///   knob     continuous
+///   cap      continuous
+///   star     5-fold
+///   nut      6-fold, and upside down
+///   reel     continuous, and upside down
+std::vector<std::string> GeneratedObjectNames(ObjectSet set = ObjectSet::kBundled);
 
 /// Always the same mesh for a name. Errors: no such object; the message lists them.
 Result<GeneratedObject> GenerateObject(const std::string& name);
