@@ -8,7 +8,10 @@
 
 #include "common/format.h"
 #include "common/result.h"
+#include "fusion/confusion/contingency_file.h"
 #include "fusion/symmetry/measured_symmetry.h"
+#include "fusion/symmetry/symmetry_weights.h"
+#include "fusion/symmetry/table_symmetry.h"
 #include "nodes/command_line.h"
 #include "perception/model/mesh_check.h"
 #include "perception/model/mesh_import.h"
@@ -19,6 +22,7 @@
 #include "perception/ppf/ppf_table.h"
 #include "tools/support/model_picture.h"
 #include "tools/support/png_image.h"
+#include "tools/support/whole_file.h"
 
 namespace vantage {
 namespace {
@@ -36,6 +40,8 @@ struct Arguments {
   std::string symmetry = "none";
   std::string folder;
   std::string output;
+  std::string table;
+  std::string weights;
   bool tables = true;
 };
 
@@ -184,6 +190,10 @@ Result<void> Info(const Arguments& arguments) {
               1e3 * model.center.z());
   std::printf("symmetry    %s\n", SymmetryText(model.symmetry).c_str());
   std::printf("samples     %zu\n", model.samples.size());
+  const Result<FoundSymmetry> measured = MeasureSymmetry(model.mesh);
+  if (!measured) return measured.error();
+  std::printf("measured    %s\n", SymmetryText(measured->group).c_str());
+  PrintFound(*measured, model.diameter);
   std::error_code error;
   if (!fs::exists(folder / kTableName, error)) {
     std::printf("ppf table   none; made when it is needed\n");
@@ -203,6 +213,74 @@ Result<void> Picture(const Arguments& arguments) {
   }
   std::printf("wrote %s\n", arguments.output.c_str());
   return {};
+}
+
+// A mesh file's with its unit, or a model folder's.
+Result<TriangleMesh> MeshOf(const Arguments& arguments) {
+  std::error_code error;
+  if (fs::is_directory(arguments.mesh, error)) {
+    Result<ObjectModel> model = LoadObjectModel(arguments.mesh);
+    if (!model) return model.error();
+    return std::move(model->mesh);
+  }
+  if (arguments.unit.empty()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 arguments.mesh + " is a mesh, expected --unit mm or --unit m with it"};
+  }
+  Result<TriangleMesh> mesh = ImportMesh(arguments.mesh, arguments.unit == "mm" ? 1e-3 : 1.0);
+  if (!mesh) return mesh;
+  const Result<MeshMending> mending = CheckAndMendMesh(&*mesh);
+  if (!mending) return Error{mending.error().code, arguments.mesh + ": " + mending.error().message};
+  return mesh;
+}
+
+// One representative orientation a line; those that weigh nothing are left out.
+Result<void> WriteWeights(const std::string& file,
+                          const So3Grid& grid,
+                          const std::vector<SymmetryWeight>& weights,
+                          const char* source) {
+  std::string text = "source,x,y,z,w,angle_deg,weight\n";
+  for (const auto& [cell, weight] : weights) {
+    if (weight < 1e-6) continue;
+    const Eigen::Quaterniond q = grid.Representative(cell);
+    text += Format("%s,%.6f,%.6f,%.6f,%.6f,%.3f,%.6g\n",
+                   source,
+                   q.x(),
+                   q.y(),
+                   q.z(),
+                   q.w(),
+                   GeodesicAngle(q, Eigen::Quaterniond::Identity()) / kDegree,
+                   weight);
+  }
+  return WriteWholeFile(file, text);
+}
+
+Result<void> Symmetry(const Arguments& arguments) {
+  const Result<TriangleMesh> mesh = MeshOf(arguments);
+  if (!mesh) return mesh.error();
+  const Result<FoundSymmetry> from_mesh = MeasureSymmetry(*mesh);
+  if (!from_mesh) return from_mesh.error();
+  std::printf("from the mesh: %s\n", SymmetryText(from_mesh->group).c_str());
+  PrintFound(*from_mesh, mesh->Diameter());
+  constexpr int kOfWeights = 8;  // As the paper's figure 6.
+  const So3Grid grid(kOfWeights);
+  if (arguments.table.empty()) {
+    if (arguments.weights.empty()) return {};
+    return WriteWeights(arguments.weights, grid, MeshSymmetryWeights(*mesh, grid), "mesh");
+  }
+  const Result<ContingencyTable> table = ReadContingencyTable(arguments.table);
+  if (!table) return table.error();
+  const Result<FoundSymmetry> from_table = SymmetryOfTable(*table);
+  if (!from_table) return from_table.error();
+  std::printf("from the table of %s and %s: %s\n%s",
+              table->key.model_id.c_str(),
+              table->key.estimator.c_str(),
+              SymmetryText(from_table->group).c_str(),
+              FoundSymmetryText(*from_table).c_str());
+  if (arguments.weights.empty()) return {};
+  const auto weights = TableSymmetryWeights(*table, grid);
+  if (!weights) return weights.error();
+  return WriteWeights(arguments.weights, grid, *weights, "table");
 }
 
 int Run(int argc, char** argv) {
@@ -238,11 +316,22 @@ int Run(int argc, char** argv) {
   picture->add_option("folder", arguments.folder, "the model folder")->required();
   picture->add_option("--output", arguments.output, "the PNG file to write")->required();
 
+  CLI::App* symmetry = app.add_subcommand(
+      "symmetry", "measure the symmetry of a model folder or a mesh, and of a contingency table");
+  symmetry->add_option("mesh", arguments.mesh, "the model folder or the mesh")->required();
+  symmetry->add_option("--unit", arguments.unit, "unit of a mesh's coordinates, mm or m")
+      ->check(CLI::IsMember({"mm", "m"}));
+  symmetry->add_option("--table", arguments.table, "contingency table of the object");
+  symmetry->add_option("--weights",
+                       arguments.weights,
+                       "CSV file to write the symmetry weights to: the table's, else the mesh's");
+
   if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
-  const Result<void> done = *generate ? Generate(arguments)
-                            : *build  ? Build(arguments)
-                            : *info   ? Info(arguments)
-                                      : Picture(arguments);
+  const Result<void> done = *generate   ? Generate(arguments)
+                            : *build    ? Build(arguments)
+                            : *info     ? Info(arguments)
+                            : *symmetry ? Symmetry(arguments)
+                                        : Picture(arguments);
   if (!done) {
     std::fprintf(stderr, "vantage-model: %s\n", done.error().message.c_str());
     return 2;
