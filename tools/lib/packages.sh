@@ -1,7 +1,7 @@
 # Installs what packages.txt names. Sourced; needs $root, the project's folder.
 
-# install_packages [bench]: the packages of packages.txt that are not there yet; those marked "bench"
-# only when asked for.
+# install_packages [bench | test]: the packages of packages.txt that are not there yet; those with a
+# mark only when asked for.
 install_packages() {
   local wanted missing=() name
   wanted=$(sed -e 's/#.*//' "$root/packages.txt" | awk -v with="${1:-}" 'NF == 1 || $2 == with { print $1 }')
