@@ -17,12 +17,17 @@
 #include "fusion/bingham/bingham_mixture_filter.h"
 #include "fusion/bingham/bingham_smc_filter.h"
 #include "fusion/compared/particle_filter.h"
+#include "fusion/confusion/accuracy_weights.h"
+#include "fusion/confusion/confusion_model.h"
+#include "fusion/confusion/mode_belief.h"
+#include "fusion/confusion/viewing_direction.h"
 #include "fusion/mode_refinement.h"
 #include "fusion/orientation_filter.h"
 #include "fusion/orientation_histogram.h"
 #include "fusion/peaks.h"
 #include "fusion/quaternion_mean.h"
 #include "fusion/so3_grid.h"
+#include "tests/fusion/confusion/synthetic_object.h"
 
 namespace vantage {
 namespace {
@@ -31,9 +36,10 @@ constexpr double kSigma = 3.0 * kDegree;
 constexpr int kNumUpdates = 30;
 
 const So3Grid& Grid(int k = 32) {
+  static const So3Grid grid_8(8);
   static const So3Grid grid_32(32);
   static const So3Grid grid_64(64);
-  return k == 32 ? grid_32 : grid_64;
+  return k == 8 ? grid_8 : k == 32 ? grid_32 : grid_64;
 }
 
 class DenseHistogram {
@@ -279,6 +285,95 @@ void BinghamSmcView(benchmark::State& state) {
   View(state, [&] { return std::make_unique<BinghamSmcFilter>(parameters, uint64_t{1}); });
 }
 
+// 250 trials from each direction of an object with four alike sides.
+const ContingencyTable& Table(int k) {
+  const auto measured = [](int of_k) {
+    SyntheticObject object;
+    object.outliers = 0.02;
+    return object.Measure(NumDirections(of_k), 250, 1);
+  };
+  static const ContingencyTable table_8 = measured(8);
+  static const ContingencyTable table_32 = measured(32);
+  return k == 8 ? table_8 : table_32;
+}
+
+std::vector<ConfusionView> ConfusionViews(int count) {
+  const SyntheticObject object;
+  Rng rng(2);
+  const Eigen::Quaterniond truth = rng.Rotation();
+  std::vector<ConfusionView> views;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Quaterniond camera = rng.Rotation();
+    views.push_back({camera, camera * *object.Detect(camera.conjugate() * truth, rng)});
+  }
+  return views;
+}
+
+void AccuracyUpdate(benchmark::State& state) {
+  const int k = static_cast<int>(state.range(0));
+  AccuracyWeights weights = AccuracyWeights::FromDirections(Table(k), Grid(k)).value();
+  OrientationHistogram histogram(Grid(k));
+  const std::vector<ConfusionView> views = ConfusionViews(kNumUpdates);
+  size_t next = 0;
+  for (auto _ : state) {
+    const ConfusionView& view = views[next++ % views.size()];
+    weights.AddTo(view.q_world_camera, *view.q_world_object, 1.0, &histogram);
+  }
+  state.counters["cells"] = static_cast<double>(histogram.weights().Entries().size());
+}
+
+// The same with every cell's count looked for in its direction's differences.
+void DenseAccuracyUpdate(benchmark::State& state) {
+  const int k = static_cast<int>(state.range(0));
+  const So3Grid& grid = Grid(k);
+  const ContingencyTable& table = Table(k);
+  const DirectionGrid directions(NumDirections(k));
+  std::vector<std::vector<std::pair<Eigen::Quaterniond, double>>> differences;
+  for (const DirectionTrials& direction : table.directions) {
+    differences.emplace_back();
+    for (const DifferenceCount& one : direction.differences) {
+      differences.back().emplace_back(one.Difference(), one.count);
+    }
+  }
+  const std::vector<So3Grid::Cell> cells = grid.ValidCells();
+  std::vector<double> weights(cells.size(), 0.0);
+  const double least_near = std::cos(1.15 / k);  // Of half the angle across which a cell reaches.
+  const std::vector<ConfusionView> views = ConfusionViews(kNumUpdates);
+  size_t next = 0;
+  for (auto _ : state) {
+    const ConfusionView& view = views[next++ % views.size()];
+    const Eigen::Quaterniond q_camera_world = view.q_world_camera.conjugate();
+    const So3Grid::Cell detected = grid.CellOf(q_camera_world * *view.q_world_object);
+    const Eigen::Quaterniond representative = grid.Representative(detected);
+    for (size_t i = 0; i < cells.size(); ++i) {
+      const Eigen::Quaterniond truth = q_camera_world * grid.Representative(cells[i]);
+      const Eigen::Quaterniond wanted = truth.conjugate() * representative;
+      const auto direction = static_cast<size_t>(directions.CellOf(ViewingDirection(truth)));
+      double count = AccuracyWeights::kPseudoCount;
+      for (const auto& [difference, of_difference] : differences[direction]) {
+        if (std::abs(difference.dot(wanted)) < least_near) continue;
+        if (grid.CellOf(truth * difference) == detected) count += of_difference;
+      }
+      weights[i] += count;
+    }
+    benchmark::DoNotOptimize(weights.data());
+  }
+  state.counters["cells"] = grid.num_cells();
+}
+
+void ConfusionModelMake(benchmark::State& state) {
+  const ContingencyTable& table = Table(32);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(ConfusionModel::Make(table, SymmetryGroup::None()).ok());
+  }
+}
+
+void ModeBeliefOfTen(benchmark::State& state) {
+  const ConfusionModel model = ConfusionModel::Make(Table(32), SymmetryGroup::None()).value();
+  const std::vector<ConfusionView> views = ConfusionViews(10);
+  for (auto _ : state) benchmark::DoNotOptimize(ModeBelief(model, views));
+}
+
 void MakeGrid(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(So3Grid(static_cast<int>(state.range(0))));
 }
@@ -297,6 +392,10 @@ BENCHMARK(ParticleFilterView)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BinghamProductView)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BinghamSmcView)->Unit(benchmark::kMicrosecond);
 BENCHMARK(HistogramView)->Name("HistogramView/beside_smc")->Unit(benchmark::kMicrosecond);
+BENCHMARK(AccuracyUpdate)->Arg(8)->Arg(32)->Unit(benchmark::kMicrosecond);
+BENCHMARK(DenseAccuracyUpdate)->Arg(8)->Arg(32)->Unit(benchmark::kMicrosecond);
+BENCHMARK(ConfusionModelMake)->Unit(benchmark::kMillisecond);
+BENCHMARK(ModeBeliefOfTen)->Unit(benchmark::kMicrosecond);
 BENCHMARK(MakeGrid)->Arg(32)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 
 }  // namespace
