@@ -313,7 +313,8 @@ class SymmetrySearch {
       if (larger) {
         group = *larger;
       } else {
-        rejected = std::max(rejected, Weight(candidate.error));
+        // One that fits alone, but not about a center with its products, is no symmetry either.
+        rejected = std::max(rejected, std::min(0.5, Weight(candidate.error)));
       }
     }
     FoundSymmetry found;

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 void ExpectGroup(const ExpectedGroup& expected, const TriangleMesh& mesh) {
   SCOPED_TRACE(std::string(expected.name) + ": " + expected.why);
-  const Result<FoundSymmetry> found = MeasureSymmetry(mesh, {.num_samples = 300});
+  const Result<FoundSymmetry> found = MeasureSymmetry(mesh);
   ASSERT_TRUE(found.ok()) << found.error().message;
   const std::string text = SymmetryText(found->group);
   EXPECT_GE(found->confidence, 0.5) << text;
