@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -37,51 +36,70 @@ TriangleMesh Flange() {
   return mesh;
 }
 
-// Four arms and a pin in their middle; one arm has a tab on its side.
+// Four arms around a cup; a tab stands in the cup, before one arm.
 TriangleMesh Cross() {
-  TriangleMesh mesh = BeveledBox({0.150, 0.030, 0.034}, 0.002);
-  Append(BeveledBox({0.030, 0.150, 0.034}, 0.002), Pose::Identity(), &mesh);
-  Append(Cylinder(0.012, 0.030, 0.060, 0.0015, 36), Pose::Identity(), &mesh);
-  Append(BeveledBox({0.014, 0.016, 0.016}, 0.0015), At(0.058, 0.021, 0.0), &mesh);
+  const Profile cup = {{0.0, 0.0},
+                       {0.034, 0.0},
+                       {0.034, 0.052},
+                       {0.032, 0.054},
+                       {0.028, 0.054},
+                       {0.027, 0.052},
+                       {0.027, 0.034},
+                       {0.0, 0.034}};
+  TriangleMesh mesh = Revolve(cup, kSegments);
+  for (int i = 0; i < 4; ++i) {
+    const Pose arm = Turned(0.5 * kPi * i, Eigen::Vector3d::UnitZ());
+    Append(BeveledBox({0.048, 0.026, 0.030}, 0.002), arm * At(0.054, 0.0, 0.0), &mesh);
+  }
+  Append(BeveledBox({0.012, 0.012, 0.014}, 0.001), At(0.019, 0.0, 0.032), &mesh);
   return mesh;
 }
 
 // A hand wheel of three lobes on its stem; a stub hangs below one of them.
 TriangleMesh Valve() {
   const Profile stem = {{0.0, 0.0},
-                        {0.030, 0.0},
-                        {0.032, 0.002},
-                        {0.032, 0.012},
-                        {0.016, 0.018},
-                        {0.016, 0.060},
+                        {0.042, 0.0},
+                        {0.044, 0.002},
+                        {0.044, 0.022},
+                        {0.042, 0.024},
+                        {0.014, 0.026},
+                        {0.014, 0.060},
                         {0.0, 0.060}};
   TriangleMesh mesh = Revolve(stem, kSegments);
   Append(LobedPlate(0.050, 0.014, 3, 0.050, 0.070), Pose::Identity(), &mesh);
-  Append(Cylinder(0.008, 0.034, 0.054, 0.0015, 24), At(0.046, 0.0, 0.0), &mesh);
+  Append(Cylinder(0.007, 0.038, 0.054, 0.0015, 24), At(0.032, 0.0, 0.0), &mesh);
   return mesh;
 }
 
-// A box with a stud near a corner of one of its large faces.
+// A box with a well in either of its large faces; a stud stands in one of them.
 TriangleMesh Brick() {
-  TriangleMesh mesh = BeveledBox({0.140, 0.076, 0.050}, 0.002);
-  Append(Cylinder(0.009, 0.046, 0.064, 0.0015, 24), At(0.050, 0.022, 0.0), &mesh);
+  const auto ring = [](double inset, double z) {
+    return RoundedRectangleRing(0.140 - inset, 0.080 - inset, 0.006, z, 4);
+  };
+  const std::array<Ring, 6> rings = {ring(0.016, 0.020),
+                                     ring(0.016, 0.000),
+                                     ring(0.000, 0.000),
+                                     ring(0.000, 0.060),
+                                     ring(0.016, 0.060),
+                                     ring(0.016, 0.040)};
+  TriangleMesh mesh = Loft(rings);
+  Append(Cylinder(0.009, 0.036, 0.054, 0.0015, 24), At(0.034, 0.010, 0.0), &mesh);
   return mesh;
 }
 
-// A flat plug with a grip; a key's rib is low on one of its narrow sides.
+// A flat socket; a key's rib stands in it, at one of its narrow sides.
 TriangleMesh Plug() {
   std::vector<Ring> rings;
-  const std::array<std::array<double, 3>, 8> sections = {{{0.036, 0.022, 0.000},
-                                                          {0.038, 0.024, 0.002},
-                                                          {0.038, 0.024, 0.060},
-                                                          {0.036, 0.022, 0.064},
-                                                          {0.024, 0.013, 0.068},
-                                                          {0.024, 0.013, 0.096},
-                                                          {0.022, 0.012, 0.100},
-                                                          {0.016, 0.009, 0.102}}};
+  const std::array<std::array<double, 3>, 7> sections = {{{0.038, 0.024, 0.000},
+                                                          {0.040, 0.026, 0.002},
+                                                          {0.040, 0.026, 0.078},
+                                                          {0.038, 0.024, 0.080},
+                                                          {0.034, 0.020, 0.080},
+                                                          {0.033, 0.019, 0.078},
+                                                          {0.033, 0.019, 0.056}}};
   for (const auto& [a, b, z] : sections) rings.push_back(SuperellipseRing(a, b, 2.6, z, kSegments));
   TriangleMesh mesh = Loft(rings);
-  Append(BeveledBox({0.018, 0.012, 0.026}, 0.0015), At(0.041, 0.0, 0.006), &mesh);
+  Append(BeveledBox({0.016, 0.012, 0.018}, 0.001), At(0.020, 0.0, 0.052), &mesh);
   return mesh;
 }
 
@@ -119,29 +137,27 @@ TriangleMesh Cap() {
   return mesh;
 }
 
-// Five points around a pin; a step is cut into the upper side of one of them.
+// A dish of five points; a block stands before one of them.
 TriangleMesh Star() {
-  const auto star = [](double inset, bool is_cut, double z) {
+  const auto star = [](double inset, double z) {
     return PolarRing(
         [=](double angle) {
           // Straight sides from the points at 0, 72 ... degrees to the corners between them.
           const double turned = std::remainder(angle, 0.4 * kPi);
           const double share = std::abs(turned) / (0.2 * kPi);
-          const double radius = 1.0 / ((1.0 - share) / 0.068 + share / 0.034);
-          const bool is_first = std::abs(std::remainder(angle, 2.0 * kPi)) < 0.2 * kPi;
-          return (is_cut && is_first ? std::min(radius, 0.044) : radius) - inset;
+          return 1.0 / ((1.0 - share) / 0.070 + share / 0.042) - inset;
         },
         z,
         120);
   };
-  const std::array<Ring, 6> rings = {star(0.002, false, 0.000),
-                                     star(0.000, false, 0.002),
-                                     star(0.000, false, 0.014),
-                                     star(0.000, true, 0.0145),
-                                     star(0.000, true, 0.028),
-                                     star(0.002, true, 0.030)};
+  const std::array<Ring, 6> rings = {star(0.002, 0.000),
+                                     star(0.000, 0.002),
+                                     star(0.000, 0.038),
+                                     star(0.002, 0.040),
+                                     star(0.008, 0.040),
+                                     star(0.008, 0.022)};
   TriangleMesh mesh = Loft(rings);
-  Append(Cylinder(0.014, 0.026, 0.056, 0.002, kSegments), Pose::Identity(), &mesh);
+  Append(BeveledBox({0.014, 0.012, 0.016}, 0.001), At(0.024, 0.0, 0.018), &mesh);
   return mesh;
 }
 

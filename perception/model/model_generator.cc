@@ -262,13 +262,16 @@ const std::array<Recipe, 18> kRecipes = {{
 
 const std::array<Recipe, 10> kAmbiguousRecipes = {{
     {"flange", "scalloped flange, 6-fold but for a lug", Flange, SymmetryGroup::None},
-    {"cross", "four arms, 4-fold but for a tab", Cross, SymmetryGroup::None},
+    {"cross", "four arms around a cup, 4-fold but for a tab in it", Cross, SymmetryGroup::None},
     {"valve", "hand wheel, 3-fold but for a stub", Valve, SymmetryGroup::None},
-    {"brick", "box, half turns about three axes but for a stud", Brick, SymmetryGroup::None},
-    {"plug", "flat plug, 2-fold but for a rib", Plug, SymmetryGroup::None},
+    {"brick",
+     "box with wells, half turns about three axes but for a stud",
+     Brick,
+     SymmetryGroup::None},
+    {"plug", "flat socket, 2-fold but for a rib in it", Plug, SymmetryGroup::None},
     {"knob", "knob, continuous but for a pointer below", Knob, SymmetryGroup::None},
     {"cap", "dome, continuous but for a spout", Cap, SymmetryGroup::None},
-    {"star", "star, 5-fold but for a step in one point", Star, SymmetryGroup::None},
+    {"star", "dish, 5-fold but for a block in it", Star, SymmetryGroup::None},
     {"nut", "hexagonal prism, the same upside down, but for a tab", Nut, SymmetryGroup::None},
     {"reel", "reel, continuous, the same upside down, but for a pin", Reel, SymmetryGroup::None},
 }};
