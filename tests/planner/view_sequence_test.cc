@@ -9,6 +9,8 @@
 
 #include "fusion/state_text.h"
 #include "planner/farthest_view.h"
+#include "planner/information_gain.h"
+#include "tests/planner/planner_scenes.h"
 
 namespace vantage {
 namespace {
@@ -190,6 +192,73 @@ TEST(ViewSequence, GoesOnFromItsState) {
   EXPECT_FALSE(ViewSequence(other, FarthestView()).Restore(state, camera.viewpoints_, {}).ok());
 }
 
+TEST(ViewSequence, KeepsOutOfVolumes) {
+  ViewSequenceParameters parameters;
+  parameters.frames_per_view = 1;
+  parameters.max_views = 1000;
+  parameters.candidates.count = 60;
+  parameters.reach.boxes = {{"wall", {0.1, -9.0, -9.0}, {9.0, 9.0, 9.0}}};
+  ViewSequence sequence(parameters, FarthestView());
+  Camera camera(sequence);
+  camera.Set(kStart);
+  int num_visited = 0;
+  while (!sequence.finished()) {
+    const Pose view = Candidate(sequence, sequence.next_view().selected);
+    EXPECT_LT(view.translation().x(), 0.1);
+    ++num_visited;
+    camera.Set(view);
+  }
+  EXPECT_GT(num_visited, 20);
+  EXPECT_NE(sequence.next_view().reason.find("keep-out"), std::string::npos);
+}
+
+TEST(ViewSequence, EndsAtOnceWhereNothingCanBeReached) {
+  ViewSequenceParameters parameters;
+  parameters.frames_per_view = 1;
+  parameters.reach.farthest = 0.1;
+  ViewSequence sequence(parameters, FarthestView());
+  Camera camera(sequence);
+  EXPECT_TRUE(camera.Set(LookAt(Eigen::Vector3d(0.0, -3.0, 0.1), Eigen::Vector3d::Zero())));
+  EXPECT_TRUE(sequence.finished());
+  EXPECT_EQ(sequence.next_view().reason,
+            "none of the 36 views is left: 1 visited, 35 out of reach or in keep-out volumes");
+}
+
+// An object whose belief is looked after: two turns that only one side tells apart.
+TEST(ViewSequence, GoesOnUntilTheBeliefIsSure) {
+  SyntheticObject synthetic;
+  synthetic.order = 2;
+  synthetic.error = 0.0;
+  const ConfusionModel model = MakeConfusion(synthetic.Measure(391, 100, 1));
+  std::vector<OrientationHypothesis> belief = {{synthetic.Turn(0), 0.6}, {synthetic.Turn(1), 0.4}};
+  ViewSequenceParameters parameters;
+  parameters.frames_per_view = 1;
+  parameters.candidates.count = 500;
+  ViewSequence sequence(parameters, InformationGainView());
+  Camera camera(sequence);
+  camera.objects_.resize(1);
+  PlannedObject& object = camera.objects_.front();
+  object.confirmed = true;
+  object.converged = true;
+  object.confusion = &model;
+  object.belief = belief;
+  camera.Set(kStart);
+  ASSERT_FALSE(sequence.finished());
+  const NextView& next = sequence.next_view();
+  EXPECT_GT(next.candidates[static_cast<size_t>(next.selected)].gain, 0.2);
+  EXPECT_NE(next.reason.find(" nat "), std::string::npos) << next.reason;
+  const Eigen::Vector3d from = Candidate(sequence, next.selected).translation().normalized();
+  EXPECT_TRUE(synthetic.IsVisible(from) || synthetic.IsVisible(-from));
+  belief = {{synthetic.Turn(0), 0.999}, {synthetic.Turn(1), 0.001}};
+  object.belief = belief;
+  for (int i = 0; i < 3 && !sequence.finished(); ++i) {
+    camera.Set(Candidate(sequence, sequence.next_view().selected));
+  }
+  EXPECT_TRUE(sequence.finished());
+  EXPECT_NE(sequence.next_view().reason.find("99.9 %"), std::string::npos)
+      << sequence.next_view().reason;
+}
+
 TEST(ViewSequence, ParametersAreChecked) {
   EXPECT_TRUE(ViewSequenceParameters().Validate().ok());
   ViewSequenceParameters parameters;
@@ -197,6 +266,12 @@ TEST(ViewSequence, ParametersAreChecked) {
   EXPECT_FALSE(parameters.Validate().ok());
   parameters = {};
   parameters.candidates.radius = 0.0;
+  EXPECT_FALSE(parameters.Validate().ok());
+  parameters = {};
+  parameters.travel_weight = -1.0;
+  EXPECT_FALSE(parameters.Validate().ok());
+  parameters = {};
+  parameters.stop.sure = 1.5;
   EXPECT_FALSE(parameters.Validate().ok());
 }
 

@@ -1,0 +1,1 @@
+vantage_benchmark(planner_bench SOURCES planner_bench.cc LINK vantage_planner)
