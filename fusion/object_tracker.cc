@@ -8,6 +8,7 @@
 
 #include "common/check.h"
 #include "common/format.h"
+#include "fusion/confusion/viewing_direction.h"
 #include "fusion/verification_weight.h"
 
 namespace vantage {
@@ -232,7 +233,7 @@ void ObjectTracker::Fuse(size_t instance) {
         state_.viewpoints[static_cast<size_t>(observation.viewpoint)].T_world_camera;
     orientations.push_back({Eigen::Quaterniond(observation.T_world_object.linear()).normalized(),
                             observation.mse,
-                            Eigen::Quaterniond(T_world_camera.linear()).normalized()});
+                            AimedAt(T_world_camera, observation.T_world_object * center)});
     fused.verification_weight += w_v;
   }
   fused.position = FusePositions(positions, parameters_.position);

@@ -5,10 +5,13 @@
 #include <vector>
 
 #include "common/format.h"
+#include "nodes/confusion_config.h"
 #include "nodes/models_config.h"
+#include "nodes/planner_config.h"
 #include "nodes/process.h"
 #include "perception/model/object_model.h"
 #include "perception/model/symmetry_text.h"
+#include "perception/verification/mesh_decimation.h"
 
 namespace vantage {
 namespace {
@@ -135,21 +138,42 @@ void ReadFusion(ConfigReader::Table table, FusionConfig* config) {
   config->views.viewpoint = viewpoint;
 }
 
-void ReadPlanner(ConfigReader::Table table, FusionConfig* config) {
-  ViewCandidateParameters& candidates = config->views.candidates;
-  std::vector<double> target = {
-      candidates.target.x(), candidates.target.y(), candidates.target.z()};
-  table.ReadNumbers("target_m", 3, -100.0, 100.0, &target);
-  candidates.target = Eigen::Vector3d(target[0], target[1], target[2]);
-  table.Read("radius_m", &candidates.radius, 0.05, 100.0);
-  std::vector<double> elevation = {candidates.lowest_elevation / kDegree,
-                                   candidates.highest_elevation / kDegree};
-  table.ReadNumbers("elevation_deg", 2, -90.0, 90.0, &elevation);
-  candidates.lowest_elevation = elevation[0] * kDegree;
-  candidates.highest_elevation = elevation[1] * kDegree;
-  table.Read("elevations", &candidates.num_elevations, 1, 90);
-  table.Read("azimuths", &candidates.num_azimuths, 1, 360);
-  table.Read("max_views", &config->views.max_views, 1, kMostViews);
+// Corners of the ball about the center that holds the mesh.
+double RadiusAboutCenter(const ObjectModel& model) {
+  double radius = 0.0;
+  for (const Eigen::Vector3f& vertex : model.mesh.vertices) {
+    radius = std::max(radius, (vertex.cast<double>() - model.center).norm());
+  }
+  return radius;
+}
+
+std::string CandidatesText(const ViewCandidateParameters& candidates) {
+  std::string text =
+      candidates.count > 0
+          ? Format("views %d", candidates.count)
+          : Format("views %d x %d", candidates.num_elevations, candidates.num_azimuths);
+  return text + Format(" from %g to %g degrees at %g m around (%g, %g, %g)",
+                       candidates.lowest_elevation / kDegree,
+                       candidates.highest_elevation / kDegree,
+                       candidates.radius,
+                       candidates.target.x(),
+                       candidates.target.y(),
+                       candidates.target.z());
+}
+
+// A table of a model that is not in use is a slip of the pen.
+Result<void> CheckTablesModels(const ConfusionConfig& confusion,
+                               const std::vector<std::string>& names) {
+  for (const auto& [model, file] : confusion.tables) {
+    if (std::ranges::find(names, model) != names.end()) continue;
+    std::string in_use;
+    for (const std::string& name : names) in_use += (in_use.empty() ? "" : ", ") + name;
+    return Error{ErrorCode::kNotFound,
+                 Format("confusion.tables names \"%s\", expected one of the models in use: %s",
+                        model.c_str(),
+                        in_use.c_str())};
+  }
+  return {};
 }
 
 // Several keys that don't go together.
@@ -163,7 +187,13 @@ Result<FusionConfig> ReadFusionConfig(ConfigReader& config) {
   FusionConfig result;
   ReadFusion(config.Root().Sub("fusion"), &result);
   std::vector<ModelsPose> likely_poses = ReadLikelyPoses(config.Root().Sub("fusion"));
-  ReadPlanner(config.Root().Sub("planner"), &result);
+  PlannerConfig planner = ReadPlannerConfig(config);
+  planner.views.viewpoint = result.views.viewpoint;
+  planner.views.frames_per_view = result.views.frames_per_view;
+  result.views = std::move(planner.views);
+  result.criterion = planner.criterion;
+  result.criterion_seed = planner.seed;
+  const ConfusionConfig confusion = ReadConfusionConfig(config);
   const ModelsConfig models = ReadModelsConfig(config);
   IgnoreTablesOfOthers(config);
   if (Result<void> read = config.Finish(); !read) return read.error();
@@ -175,10 +205,17 @@ Result<FusionConfig> ReadFusionConfig(ConfigReader& config) {
   }
   const Result<std::vector<std::string>> names = FindModels(models);
   if (!names) return names.error();
+  if (Result<void> known = CheckTablesModels(confusion, *names); !known) return known.error();
+  const ConfusionSetup confusion_setup = ReadConfusionSetup(config, confusion.estimator);
   for (const std::string& name : *names) {
     const Result<ObjectModel> model = LoadObjectModel(models.folder / name);
     if (!model) return model.error();
-    result.models[name] = TrackedModel{model->center, model->diameter, model->symmetry, {}};
+    TrackedModel& tracked = result.models[name];
+    tracked = TrackedModel{model->center, model->diameter, model->symmetry, {}};
+    auto table = LoadConfusion(confusion, confusion_setup, *model, models.folder / name);
+    if (table) tracked.confusion = std::move(table).value();
+    if (!table) result.refused_tables[name] = table.error().message;
+    result.shapes[name] = {DecimateMesh(model->mesh, kCoarseLevel), RadiusAboutCenter(*model)};
     result.setup += Format("%s %llx symmetry %s, ",
                            name.c_str(),
                            static_cast<unsigned long long>(model->mesh_hash),
@@ -187,16 +224,7 @@ Result<FusionConfig> ReadFusionConfig(ConfigReader& config) {
   result.setup += SetupOf(likely_poses, result.tracker.prior_uniform_share);
   GiveToModels(std::move(likely_poses), &result.models);
   if (Result<void> read = config.Finish(); !read) return read.error();
-  const ViewCandidateParameters& candidates = result.views.candidates;
-  result.setup += Format("views %d x %d from %g to %g degrees at %g m around (%g, %g, %g)",
-                         candidates.num_elevations,
-                         candidates.num_azimuths,
-                         candidates.lowest_elevation / kDegree,
-                         candidates.highest_elevation / kDegree,
-                         candidates.radius,
-                         candidates.target.x(),
-                         candidates.target.y(),
-                         candidates.target.z());
+  result.setup += CandidatesText(result.views.candidates);
   return result;
 }
 

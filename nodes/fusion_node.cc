@@ -3,16 +3,22 @@
 #include <chrono>
 #include <cstdio>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bus/conversions.h"
+#include "common/check.h"
 #include "common/format.h"
 #include "common/time_range.h"
 #include "nodes/fusion_messages.h"
 #include "nodes/fusion_state_file.h"
+#include "planner/circle_view.h"
+#include "planner/confusion_heuristic.h"
 #include "planner/farthest_view.h"
+#include "planner/information_gain.h"
+#include "planner/random_view.h"
 #include "vantage/arm_status_t.hpp"
 #include "vantage/detections_v2_t.hpp"
 #include "vantage/rigid_transform_t.hpp"
@@ -22,6 +28,19 @@ namespace {
 
 constexpr int64_t kRepeatInterval = 1'000'000;  // us
 
+ViewCriterion MakeCriterion(const FusionConfig& config) {
+  if (config.criterion == "farthest") return FarthestView();
+  if (config.criterion == "circle") return CircleView();
+  if (config.criterion == "random") return RandomView(config.criterion_seed);
+  if (config.criterion == "information_gain") return InformationGainView();
+  VANTAGE_CHECK(config.criterion == "confusion_heuristic", config.criterion);
+  std::map<std::string, const ConfusionModel*> models;
+  for (const auto& [id, model] : config.models) {
+    if (model.confusion != nullptr) models[id] = model.confusion.get();
+  }
+  return ConfusionHeuristicView(models);
+}
+
 class FusionNode : public Node {
  public:
   FusionNode(Bus& bus, const FusionConfig& config)
@@ -29,7 +48,13 @@ class FusionNode : public Node {
         config_(config),
         grid_(config.k),
         tracker_(grid_, config.tracker, config.models),
-        views_(config.views, FarthestView()) {}
+        views_(config.views, MakeCriterion(config)) {
+    for (const auto& [model, why] : config.refused_tables) {
+      std::string note = why;
+      note += "; its detections are weighed by confidence alone";
+      Report("table of " + model, Error{ErrorCode::kInvalidArgument, note});
+    }
+  }
 
   Result<void> Start(bool fresh) {
     if (Result<void> loaded = LoadState(fresh); !loaded) return loaded;
@@ -81,7 +106,7 @@ class FusionNode : public Node {
                                       set->T_world_camera,
                                       update.viewpoint,
                                       tracker_.state().viewpoints,
-                                      PlanObjects(objects));
+                                      Planned(objects));
     // Saved before it is told: what others have heard is never forgotten.
     if (update.changed || decided) SaveState();
     PublishObjects(objects);
@@ -98,10 +123,8 @@ class FusionNode : public Node {
       views_.OnArrived(message.view_seq, message.utime);
     } else if (message.state == arm_status_t::REFUSED) {
       const std::vector<ObjectEstimate> objects = tracker_.Estimates();
-      if (views_.OnRefused(message.view_seq,
-                           message.reason,
-                           tracker_.state().viewpoints,
-                           PlanObjects(objects))) {
+      if (views_.OnRefused(
+              message.view_seq, message.reason, tracker_.state().viewpoints, Planned(objects))) {
         SaveState();
         if (views_.finished()) PublishObjects(objects);
         PublishNextView(message.utime);
@@ -112,6 +135,19 @@ class FusionNode : public Node {
 
   void OnCameraPose(const std::string& channel, const rigid_transform_t& message) {
     if (IsPlausible(channel, message.utime)) RepeatWhenDue(message.utime);
+  }
+
+  // What the planner may know of the objects. Refers to `objects`.
+  [[nodiscard]] std::vector<PlannedObject> Planned(std::span<const ObjectEstimate> objects) const {
+    std::vector<PlannedObject> planned = PlanObjects(objects);
+    for (size_t i = 0; i < planned.size(); ++i) {
+      const PlannedShape& shape = config_.shapes.at(planned[i].model_id);
+      planned[i].radius = shape.radius;
+      planned[i].mesh = &shape.mesh;
+      planned[i].confusion = config_.models.at(planned[i].model_id).confusion.get();
+      planned[i].belief = objects[i].belief;
+    }
+    return planned;
   }
 
   // Tells the last decision again, a second after it was told last, or when the clock was set back.
@@ -170,9 +206,9 @@ class FusionNode : public Node {
   Result<void> Restore(const FusionState& state) {
     ObjectTracker tracker = tracker_;  // Nothing was added to it yet; the priors are shared.
     if (Result<void> restored = tracker.Restore(state.tracker); !restored) return restored;
-    ViewSequence views(config_.views, FarthestView());
-    if (Result<void> restored = views.Restore(
-            state.views, tracker.state().viewpoints, PlanObjects(tracker.Estimates()));
+    ViewSequence views(config_.views, MakeCriterion(config_));
+    if (Result<void> restored =
+            views.Restore(state.views, tracker.state().viewpoints, Planned(tracker.Estimates()));
         !restored) {
       return restored;
     }

@@ -21,17 +21,26 @@ void ReadVoting(ConfigReader::Table& ppf, PpfEstimatorParameters* parameters) {
   ppf.Read("max_hypotheses", &voting.max_hypotheses, 1, 1000);
 }
 
-}  // namespace
-
-Result<PpfConfig> ReadPpfConfig(ConfigReader& config) {
+PpfConfig ReadTables(ConfigReader& config) {
   PpfConfig result;
   ConfigReader::Table ppf = config.Root().Sub("ppf");
   ReadVoting(ppf, &result.estimator);
   ReadEstimatorConfig(config, ppf, &result, &result.estimator.estimation);
+  return result;
+}
+
+}  // namespace
+
+Result<PpfConfig> ReadPpfConfig(ConfigReader& config) {
+  PpfConfig result = ReadTables(config);
   IgnoreTablesOfOthers(config);
   if (Result<void> read = config.Finish(); !read) return read.error();
   if (Result<void> valid = result.estimator.Validate(); !valid) return valid.error();
   return result;
+}
+
+PpfEstimatorParameters ReadPpfParameters(ConfigReader& config) {
+  return ReadTables(config).estimator;
 }
 
 }  // namespace vantage

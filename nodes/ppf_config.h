@@ -16,4 +16,7 @@ struct PpfConfig : EstimatorConfig {
 /// Errors: the first of the whole file, also of keys that nobody knows.
 Result<PpfConfig> ReadPpfConfig(ConfigReader& config);
 
+/// The estimator's parameters alone. Errors are kept by `config`.
+PpfEstimatorParameters ReadPpfParameters(ConfigReader& config);
+
 }  // namespace vantage

@@ -21,17 +21,26 @@ void ReadMatching(ConfigReader::Table& table, ShotParameters* parameters) {
   table.Read("max_hypotheses", &parameters->max_hypotheses, 1, 1000);
 }
 
-}  // namespace
-
-Result<ShotConfig> ReadShotConfig(ConfigReader& config) {
+ShotConfig ReadTables(ConfigReader& config) {
   ShotConfig result;
   ConfigReader::Table shot = config.Root().Sub("shot");
   ReadMatching(shot, &result.estimator.shot);
   ReadEstimatorConfig(config, shot, &result, &result.estimator.estimation);
+  return result;
+}
+
+}  // namespace
+
+Result<ShotConfig> ReadShotConfig(ConfigReader& config) {
+  ShotConfig result = ReadTables(config);
   IgnoreTablesOfOthers(config);
   if (Result<void> read = config.Finish(); !read) return read.error();
   if (Result<void> valid = result.estimator.Validate(); !valid) return valid.error();
   return result;
+}
+
+ShotEstimatorParameters ReadShotParameters(ConfigReader& config) {
+  return ReadTables(config).estimator;
 }
 
 }  // namespace vantage

@@ -16,4 +16,7 @@ struct ShotConfig : EstimatorConfig {
 /// Errors: the first of the whole file, also of keys that nobody knows.
 Result<ShotConfig> ReadShotConfig(ConfigReader& config);
 
+/// The estimator's parameters alone. Errors are kept by `config`.
+ShotEstimatorParameters ReadShotParameters(ConfigReader& config);
+
 }  // namespace vantage

@@ -34,8 +34,8 @@ std::vector<double> FewerFalseReports(const PlanningState& state,
                                                 ? Eigen::Quaterniond(object.T_world_object.linear())
                                                 : object.belief.front().q_world_object;
   const auto direction_from = [&](const Pose& T_world_camera) {
-    return judged.model->DirectionOf(Eigen::Quaterniond(T_world_camera.linear()).conjugate() *
-                                     q_world_object);
+    return judged.model->directions().CellOf(q_world_object.conjugate() *
+                                             (T_world_camera.translation() - object.center_world));
   };
   std::vector<bool> visited(static_cast<size_t>(judged.model->num_directions()), false);
   for (const Pose& view : state.visited) visited[static_cast<size_t>(direction_from(view))] = true;

@@ -45,7 +45,8 @@ ViewGains Gains(const PlanningState& state) {
       const double accuracy = AccuracyGain(state.visited.size(), angles[i]);
       double gain = unhidden * accuracy;
       if (information.has_value()) {
-        const InformationGain::Expected expected = information->From(state.candidates[i], unhidden);
+        const InformationGain::Expected expected =
+            information->From(state.candidates[i].translation() - planned.center_world, unhidden);
         gain = expected.information + kAccuracyShare * expected.detected * accuracy;
       }
       gains.by_object[i * num_objects + object] = gain;
@@ -78,9 +79,9 @@ InformationGain::InformationGain(const ConfusionModel& model,
 
 // With the factor g, by hypothesis: mode m has the probability g WithOutliers(K_v(m)), scattered
 // ones likewise, and nothing is detected with 1 - g + g WithOutliers(nothing).
-InformationGain::Expected InformationGain::From(const Pose& T_world_camera, double unhidden) {
+InformationGain::Expected InformationGain::From(const Eigen::Vector3d& to_camera, double unhidden) {
   const double scale = unhidden * (1.0 - model_->parameters().outlier_share);
-  const Eigen::Vector3d to_camera = -T_world_camera.linear().col(2);
+  const double unhidden_entropy = EntropyPart(unhidden);
   const auto num_modes = static_cast<size_t>(model_->num_modes());
   for (size_t i = 0; i < floor_.size(); ++i) mixture_[i] = unhidden * floor_[i];
   double scattered = 0.0;
@@ -97,11 +98,13 @@ InformationGain::Expected InformationGain::From(const Pose& T_world_camera, doub
     const double scattered_share = model_->Scattered(direction);
     const double nothing =
         model_->WithOutliers(std::max(0.0, model_->Missed(direction) - scattered_share));
+    const double nothing_entropy = EntropyPart(nothing);
     const double missed_here = 1.0 - unhidden + unhidden * nothing;
+    const double missed_entropy = unhidden < 1.0 ? EntropyPart(missed_here) : nothing_entropy;
     scattered += b * unhidden * model_->WithOutliers(scattered_share);
     missed += b * missed_here;
-    given += b * (unhidden * (model_->Entropy(direction) - EntropyPart(nothing)) +
-                  (1.0 - nothing) * EntropyPart(unhidden) + EntropyPart(missed_here));
+    given += b * (unhidden * (model_->Entropy(direction) - nothing_entropy) +
+                  (1.0 - nothing) * unhidden_entropy + missed_entropy);
   }
   double information = EntropyPart(missed) + EntropyPart(scattered) - given;
   for (const double probability : mixture_) information += EntropyPart(probability);

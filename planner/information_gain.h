@@ -26,9 +26,10 @@ class InformationGain {
     double information = 0.0;  ///< nat
     double detected = 0.0;     ///< probability of a detection that is of some mode
   };
+  /// @param to_camera direction from the object to the camera, in the world; of any length above 0.
   /// @param unhidden in [0, 1], factor of the probability that the object is found: with 1 - it it
   /// is missed whatever its orientation.
-  [[nodiscard]] Expected From(const Pose& T_world_camera, double unhidden);
+  [[nodiscard]] Expected From(const Eigen::Vector3d& to_camera, double unhidden);
 
  private:
   const ConfusionModel* model_;

@@ -17,6 +17,7 @@ namespace {
 constexpr int kNothing = -1;
 constexpr int kScattered = -2;
 
+// Of an object at the origin, which the camera looks at.
 double Information(const ConfusionModel& model,
                    const std::vector<OrientationHypothesis>& belief,
                    const Pose& T_world_camera,

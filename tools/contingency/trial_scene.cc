@@ -60,10 +60,12 @@ TrialScene::Placement TrialScene::Place(const Eigen::Quaterniond& q_camera_objec
   const double distance = rng.Uniform(nearest_, farthest_);
   const double right = rng.Uniform(-aim_jitter_, aim_jitter_);
   const double down = rng.Uniform(-aim_jitter_, aim_jitter_);
+  const Eigen::Vector3d center(right, down, distance);
   Placement placement;
-  placement.T_camera_object.linear() = q_camera_object.toRotationMatrix();
-  placement.T_camera_object.translation() =
-      Eigen::Vector3d(right, down, distance) - placement.T_camera_object.linear() * center_;
+  placement.q_camera_aimed = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), center);
+  placement.T_camera_object.linear() =
+      (placement.q_camera_aimed * q_camera_object).toRotationMatrix();
+  placement.T_camera_object.translation() = center - placement.T_camera_object.linear() * center_;
   placement.T_world_camera.linear() = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
   placement.T_world_camera.translation().z() = distance + wall_distance_;
   return placement;

@@ -21,8 +21,11 @@ class TrialScene {
   struct Placement {
     Pose T_world_camera = Pose::Identity();
     Pose T_camera_object = Pose::Identity();
+    /// From the camera aimed at the object's center to the camera as it is.
+    Eigen::Quaterniond q_camera_aimed = Eigen::Quaterniond::Identity();
   };
-  /// The object in an orientation; its distance and its place beside the optical axis are drawn.
+  /// The object in an orientation, seen by a camera aimed at it; its distance and its place beside
+  /// the optical axis are drawn.
   [[nodiscard]] Placement Place(const Eigen::Quaterniond& q_camera_object, Rng& rng) const;
 
   /// The pixels that a trial needs: of the object, however it lies, and some of what is around it.

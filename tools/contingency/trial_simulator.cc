@@ -147,7 +147,8 @@ std::optional<Eigen::Quaterniond> TrialSimulator::Detect(const Eigen::Quaternion
     found = &detection;
   }
   if (found == nullptr) return std::nullopt;
-  return Eigen::Quaterniond(found->T_camera_object.linear()).normalized();
+  const Eigen::Quaterniond q_camera_detected(found->T_camera_object.linear());
+  return (placement.q_camera_aimed.conjugate() * q_camera_detected).normalized();
 }
 
 std::string EstimatorText(const TrialParameters& parameters) {

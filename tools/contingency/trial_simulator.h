@@ -42,7 +42,8 @@ class TrialSimulator {
   ~TrialSimulator();
 
   /// What the estimator finds (the best hypothesis' q_camera_object) when the object is in this
-  /// orientation; nothing when it finds none. Distance, aim, noise and the device's bias are drawn
+  /// orientation, both for the camera aimed at the object's center (see AimedAt); nothing when it
+  /// finds none. Distance, aim, noise and the device's bias are drawn
   /// from `seed` alone: the same on every call, whatever was asked for before.
   std::optional<Eigen::Quaterniond> Detect(const Eigen::Quaterniond& q_camera_object,
                                            uint64_t seed);

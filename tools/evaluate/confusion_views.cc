@@ -119,7 +119,7 @@ class Walk {
       : object_(object),
         sequence_(sequence),
         parameters_(parameters),
-        filter_(grid, {}),
+        filter_(grid, {}, {{}, object.model->symmetry, object.confusion}),
         taken_(sequence.candidates.size(), false) {}
 
   ConfusionStep Add(int candidate, const SeenOrientation& seen) {
@@ -130,7 +130,8 @@ class Walk {
     belief_ = ModeBelief(*object_.confusion, views_);
     // A detection that is not valid does not come out of the simulator.
     if (seen.q_world_object) {
-      static_cast<void>(filter_.Add({*seen.q_world_object, seen.mse}).ok());
+      static_cast<void>(
+          filter_.Add({*seen.q_world_object, seen.mse, Rotation(T_world_camera)}).ok());
     }
     ConfusionStep step;
     step.candidate = candidate;
