@@ -9,6 +9,7 @@
 #include "common/check.h"
 #include "common/format.h"
 #include "common/so3.h"
+#include "fusion/confusion/predicted_row.h"
 #include "fusion/confusion/viewing_direction.h"
 
 namespace vantage {
@@ -39,10 +40,7 @@ Error BadTable(const ContingencyTable& table, const std::string& what) {
 }  // namespace
 
 AccuracyWeights::AccuracyWeights(const So3Grid& grid, int num_directions, double pseudo_count)
-    : grid_(&grid),
-      directions_(num_directions),
-      pseudo_count_(pseudo_count),
-      place_(static_cast<size_t>(grid.num_cells()), -1) {}
+    : grid_(&grid), directions_(num_directions), pseudo_count_(pseudo_count) {}
 
 Result<AccuracyWeights> AccuracyWeights::FromRows(const ContingencyTable& table,
                                                   const So3Grid& grid,
@@ -55,9 +53,8 @@ Result<AccuracyWeights> AccuracyWeights::FromRows(const ContingencyTable& table,
                            table.key.rows_k,
                            grid.k()));
   }
-  AccuracyWeights weights(grid, DirectionGrid::kFewest, pseudo_count);
-  weights.from_rows_ = true;
   const int32_t num_cells = grid.num_cells();
+  std::vector<Counted> full;
   for (const auto& [truth, row] : table.rows) {
     for (const RowTrials::Count& detected : row.detected) {
       if (truth < 0 || truth >= num_cells || detected.ordinal < 0 ||
@@ -71,12 +68,11 @@ Result<AccuracyWeights> AccuracyWeights::FromRows(const ContingencyTable& table,
                                row.trials,
                                num_cells));
       }
-      const double count = kTrials * detected.count / row.trials;
-      weights.entries_.push_back(
-          {Eigen::Quaterniond::Identity(), detected.ordinal, truth, 0, static_cast<float>(count)});
     }
+    AppendRow(truth, row, &full);
   }
-  weights.Sort(num_cells);
+  AccuracyWeights weights(grid, DirectionGrid::kFewest, pseudo_count);
+  weights.TakeFull(full);
   return weights;
 }
 
@@ -93,39 +89,94 @@ Result<AccuracyWeights> AccuracyWeights::FromDirections(const ContingencyTable& 
                            DirectionGrid::kFewest,
                            DirectionGrid::kMost));
   }
-  AccuracyWeights weights(grid, static_cast<int>(num_directions), pseudo_count);
-  for (int i = 0; i < weights.directions_.num_cells(); ++i) {
-    const Eigen::Vector3d center = weights.directions_.Center(i);
-    weights.centers_.push_back(center);
-    const DirectionTrials& direction = table.directions[static_cast<size_t>(i)];
+  bool any = false;
+  for (size_t i = 0; i < num_directions; ++i) {
+    const DirectionTrials& direction = table.directions[i];
+    int64_t detected = 0;
     for (const DifferenceCount& difference : direction.differences) {
-      if (difference.count <= 0 || difference.count > direction.trials) {
-        return BadTable(table,
-                        Format("a difference of count %d in direction %d of %d trials, expected 1 "
-                               "to all trials",
-                               difference.count,
-                               i,
-                               direction.trials));
-      }
-      const Eigen::Quaterniond q = difference.Difference();
-      const double count = kTrials * difference.count / direction.trials;
-      // What is detected is seen from q'^* v.
-      weights.entries_.push_back(
-          {q, weights.directions_.CellOf(q.conjugate() * center), i, 0, static_cast<float>(count)});
+      detected += difference.count;
+      if (difference.count > 0 && detected <= direction.trials) continue;
+      return BadTable(table,
+                      Format("a difference of count %d in direction %zu of %d trials, expected at "
+                             "least 1 and in all at most the trials",
+                             difference.count,
+                             i,
+                             direction.trials));
     }
+    any = any || detected > 0;
   }
-  if (weights.entries_.empty()) return BadTable(table, "no detections by direction");
-  weights.Sort(weights.directions_.num_cells());
-  weights.FillBins();
+  if (!any) return BadTable(table, "no detections by direction");
+  AccuracyWeights weights(grid, static_cast<int>(num_directions), pseudo_count);
+  if (grid.k() <= kLargestFull) {
+    weights.FillFull(table);
+  } else {
+    weights.place_.assign(static_cast<size_t>(grid.num_cells()), -1);
+    weights.FillEntries(table);
+    weights.FillBins();
+  }
   return weights;
 }
 
-void AccuracyWeights::Sort(int num_keys) {
+void AccuracyWeights::AppendRow(int32_t truth, const RowTrials& row, std::vector<Counted>* full) {
+  for (const RowTrials::Count& detected : row.detected) {
+    const double count = kTrials * detected.count / row.trials;
+    full->push_back({detected.ordinal, truth, static_cast<float>(count)});
+  }
+}
+
+// Every cell's row as it would be if its trials had been made (left invariance).
+void AccuracyWeights::FillFull(const ContingencyTable& table) {
+  std::vector<So3Grid::Cell> cells;
+  grid_->CellsAt(0, grid_->num_cells(), &cells);
+  std::vector<Counted> full;
+  for (size_t truth = 0; truth < cells.size(); ++truth) {
+    const Eigen::Quaterniond q = grid_->Representative(cells[truth]);
+    const auto direction = static_cast<size_t>(directions_.CellOf(ViewingDirection(q)));
+    AppendRow(
+        static_cast<int32_t>(truth), PredictedRow(table.directions[direction], *grid_, q), &full);
+  }
+  TakeFull(full);
+}
+
+// Sorts the table by columns. Of truths what a column needs is kept, once of each.
+void AccuracyWeights::TakeFull(const std::vector<Counted>& full) {
+  is_full_ = true;
+  first_.assign(static_cast<size_t>(grid_->num_cells()) + 1, 0);
+  for (const Counted& one : full) ++first_[static_cast<size_t>(one.detected) + 1];
+  for (size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+  std::vector<size_t> next(first_.begin(), first_.end() - 1);
+  counts_.resize(full.size());
+  std::vector<So3Grid::Cell> cell;
+  int32_t last_truth = -1;
+  for (const Counted& one : full) {
+    if (one.truth != last_truth) {
+      grid_->CellsAt(one.truth, 1, &cell);
+      truths_.push_back({grid_->Representative(cell.front()), cell.front()});
+      last_truth = one.truth;
+    }
+    counts_[next[static_cast<size_t>(one.detected)]++] = {static_cast<int32_t>(truths_.size()) - 1,
+                                                          one.count};
+  }
+}
+
+void AccuracyWeights::FillEntries(const ContingencyTable& table) {
+  for (int i = 0; i < directions_.num_cells(); ++i) {
+    const Eigen::Vector3d center = directions_.Center(i);
+    centers_.push_back(center);
+    const DirectionTrials& direction = table.directions[static_cast<size_t>(i)];
+    for (const DifferenceCount& difference : direction.differences) {
+      const Eigen::Quaterniond q = difference.Difference();
+      const double count = kTrials * difference.count / direction.trials;
+      // What is detected is seen from q'^* v.
+      entries_.push_back(
+          {q, directions_.CellOf(q.conjugate() * center), i, 0, static_cast<float>(count)});
+    }
+  }
   std::stable_sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
-    return a.key < b.key;
+    return a.seen_from < b.seen_from;
   });
-  first_.assign(static_cast<size_t>(num_keys) + 1, 0);
-  for (const Entry& entry : entries_) ++first_[static_cast<size_t>(entry.key) + 1];
+  first_.assign(static_cast<size_t>(directions_.num_cells()) + 1, 0);
+  for (const Entry& entry : entries_) ++first_[static_cast<size_t>(entry.seen_from) + 1];
   for (size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
 }
 
@@ -158,24 +209,34 @@ void AccuracyWeights::FillBins() {
   }
 }
 
-std::span<const AccuracyWeights::Entry> AccuracyWeights::EntriesOf(int key) const {
-  const auto k = static_cast<size_t>(key);
-  return std::span(entries_).subspan(first_[k], first_[k + 1] - first_[k]);
-}
-
 std::span<const AccuracyWeights::Cell> AccuracyWeights::Column(
     const Eigen::Quaterniond& q_world_camera, const Eigen::Quaterniond& q_world_object) {
-  for (const Cell& cell : column_) place_[static_cast<size_t>(cell.ordinal)] = -1;
+  if (!is_full_) {
+    for (const Cell& cell : column_) place_[static_cast<size_t>(cell.ordinal)] = -1;
+  }
   column_.clear();
-  near_.clear();
-  ++num_columns_;
   const So3Grid::Cell detected = grid_->CellOf(q_world_camera.conjugate() * q_world_object);
-  if (from_rows_) {
-    CountRows(q_world_camera, grid_->Ordinal(detected));
+  if (is_full_) {
+    CountFull(q_world_camera, grid_->Ordinal(detected));
   } else {
     CountDirections(q_world_camera, detected);
   }
   return column_;
+}
+
+// A cell of the histogram is one truth, so it comes up once.
+void AccuracyWeights::CountFull(const Eigen::Quaterniond& q_world_camera, int32_t detected) {
+  const Eigen::Quaterniond q_camera_world = q_world_camera.conjugate();
+  const auto column = static_cast<size_t>(detected);
+  for (size_t i = first_[column]; i < first_[column + 1]; ++i) {
+    const TruthCell& truth = truths_[static_cast<size_t>(counts_[i].truth)];
+    grid_->CellsWithin(q_world_camera * truth.q, ReachOfCell(*grid_), &cells_);
+    for (const So3Grid::NearCell& cell : cells_) {
+      const Eigen::Quaterniond q = q_camera_world * grid_->Representative(cell.cell);
+      if (grid_->CellOf(q) != truth.cell) continue;
+      column_.push_back({cell.ordinal, static_cast<double>(counts_[i].count), cell.area});
+    }
+  }
 }
 
 // Appends to near_ the histogram's cells about a truth.
@@ -186,21 +247,7 @@ void AccuracyWeights::FindNear(const Eigen::Quaterniond& q_world_camera,
   const Eigen::Quaterniond q_camera_world = q_world_camera.conjugate();
   for (const So3Grid::NearCell& cell : cells_) {
     const Eigen::Quaterniond q = q_camera_world * grid_->Representative(cell.cell);
-    const int32_t truth =
-        from_rows_ ? grid_->Ordinal(grid_->CellOf(q)) : directions_.CellOf(ViewingDirection(q));
-    near_.push_back({q, cell.ordinal, truth, cell.area});
-  }
-}
-
-void AccuracyWeights::CountRows(const Eigen::Quaterniond& q_world_camera, int32_t detected) {
-  std::vector<So3Grid::Cell> truth;
-  for (const Entry& entry : EntriesOf(detected)) {
-    grid_->CellsAt(entry.truth, 1, &truth);
-    near_.clear();
-    FindNear(q_world_camera, grid_->Representative(truth.front()), ReachOfCell(*grid_));
-    for (const Near& near : near_) {
-      if (near.truth == entry.truth) Count(near, static_cast<double>(entry.count));
-    }
+    near_.push_back({q, cell.ordinal, directions_.CellOf(ViewingDirection(q)), cell.area});
   }
 }
 
@@ -208,13 +255,17 @@ void AccuracyWeights::CountRows(const Eigen::Quaterniond& q_world_camera, int32_
 // those are looked at that were seen from about there.
 void AccuracyWeights::CountDirections(const Eigen::Quaterniond& q_world_camera,
                                       So3Grid::Cell detected) {
+  near_.clear();
+  ++num_columns_;
   const double reach = ReachOfCell(*grid_);
   const double reach_of_direction = ReachOfDirection(directions_);
   const Eigen::Quaterniond p = grid_->Representative(detected);
   const Eigen::Vector3d v = ViewingDirection(p);
   const double least_along = std::cos(std::min(std::numbers::pi, reach + reach_of_direction));
   for (const int key : directions_.CellsWithin(v, reach + 2.0 * reach_of_direction)) {
-    for (const Entry& entry : EntriesOf(key)) {
+    const auto seen_from = static_cast<size_t>(key);
+    for (size_t e = first_[seen_from]; e < first_[seen_from + 1]; ++e) {
+      const Entry& entry = entries_[e];
       const Eigen::Vector3d& center = centers_[static_cast<size_t>(entry.truth)];
       if ((entry.difference * v).dot(center) < least_along) continue;
       Bin& bin = bins_[static_cast<size_t>(entry.bin)];

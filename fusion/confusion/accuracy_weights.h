@@ -18,10 +18,16 @@ namespace vantage {
 /// histogram of the world's: a cell of the histogram with the representative q_r is the truth
 /// q_camera_world q_r. Only the cells that the column has counts for are visited. Counts are per
 /// kTrials trials of a truth, however many there were. Not for several threads at once.
+///
+/// The table is held by columns where it fits: where it was measured by rows, and up to
+/// kLargestFull also where it was measured by direction. Finer grids look the differences up (left
+/// invariance).
 class AccuracyWeights {
  public:
   static constexpr double kTrials = 250.0;     ///< of a row, paper 6.2
   static constexpr double kPseudoCount = 6.0;  ///< c_p, paper 6.2
+  /// Largest k at which a table by direction is held by columns: some MB.
+  static constexpr int kLargestFull = 8;
 
   /// CT(i, d) is the count of the detected cell d in the row of the truth's cell i; 0 in rows that
   /// were not measured. @param grid outlives the weights. @param pseudo_count c_p > 0.
@@ -30,7 +36,9 @@ class AccuracyWeights {
                                           const So3Grid& grid,
                                           double pseudo_count = kPseudoCount);
   /// At any k, by left invariance: CT(i, d) is the count of those differences q' that were seen
-  /// from the viewing direction of the truth q_i for which q_i q' lies in the cell d.
+  /// from the viewing direction of the truth q_i for which q_i q' lies in the cell d. Up to
+  /// kLargestFull q_i is the representative of the truth's cell, so that the table is the paper's
+  /// (PredictedRow of each cell; takes 0.2 s at k = 8), beyond it the truth itself.
   /// Errors: no trials by direction, counts that can't be; c_p.
   static Result<AccuracyWeights> FromDirections(const ContingencyTable& table,
                                                 const So3Grid& grid,
@@ -54,12 +62,25 @@ class AccuracyWeights {
              OrientationHistogram* histogram);
 
  private:
-  // A count and where it can be found: of rows by the detected cell, of directions by the direction
-  // that what was detected is seen from.
+  // An entry of the full table; both cells by their ordinals.
+  struct Counted {
+    int32_t detected;
+    int32_t truth;
+    float count;
+  };
+  struct OfColumn {
+    int32_t truth;  // Place in truths_.
+    float count;
+  };
+  struct TruthCell {
+    Eigen::Quaterniond q;  // Representative.
+    So3Grid::Cell cell;
+  };
+  // A difference of directions and where it can be found.
   struct Entry {
-    Eigen::Quaterniond difference;  // q' of directions.
-    int32_t key;                    // What the entries are sorted by.
-    int32_t truth;                  // Row's ordinal or direction's cell.
+    Eigen::Quaterniond difference;  // q'.
+    int32_t seen_from;              // Direction that what was detected is seen from.
+    int32_t truth;                  // Direction of the truth.
     int32_t bin;                    // Of differences that are near each other.
     float count;
   };
@@ -78,27 +99,31 @@ class AccuracyWeights {
   };
 
   AccuracyWeights(const So3Grid& grid, int num_directions, double pseudo_count);
-  void Sort(int num_keys);
+  static void AppendRow(int32_t truth, const RowTrials& row, std::vector<Counted>* full);
+  void FillFull(const ContingencyTable& table);
+  void TakeFull(const std::vector<Counted>& full);
+  void FillEntries(const ContingencyTable& table);
   void FillBins();
-  [[nodiscard]] std::span<const Entry> EntriesOf(int key) const;
   void FindNear(const Eigen::Quaterniond& q_world_camera,
                 const Eigen::Quaterniond& q_camera_truth,
                 double reach);
-  void CountRows(const Eigen::Quaterniond& q_world_camera, int32_t detected);
+  void CountFull(const Eigen::Quaterniond& q_world_camera, int32_t detected);
   void CountDirections(const Eigen::Quaterniond& q_world_camera, So3Grid::Cell detected);
   void Count(const Near& near, double count);
 
   const So3Grid* grid_;
   DirectionGrid directions_;
-  bool from_rows_ = false;
   double pseudo_count_;
-  std::vector<Entry> entries_;  // By key.
-  std::vector<size_t> first_;   // By key; one more at the end.
-  std::vector<Bin> bins_;
-  int64_t num_columns_ = 0;
+  bool is_full_ = false;
+  std::vector<size_t> first_;  // By detected cell in counts_, or by direction in entries_; and end.
+  std::vector<OfColumn> counts_;          // Of a full table.
+  std::vector<TruthCell> truths_;         // Of a full table.
+  std::vector<Entry> entries_;            // By direction that they are seen from.
+  std::vector<Bin> bins_;                 // Of entries_.
   std::vector<Eigen::Vector3d> centers_;  // Of directions.
-  std::vector<int32_t> place_;            // By ordinal: in column_; -1: not there.
-  std::vector<Cell> column_;              // Reused, as those below.
+  int64_t num_columns_ = 0;
+  std::vector<int32_t> place_;  // By ordinal: in column_; -1: not there.
+  std::vector<Cell> column_;    // Reused, as those below.
   std::vector<Near> near_;
   std::vector<So3Grid::NearCell> cells_;
   std::vector<OrientationHistogram::Addend> addends_;

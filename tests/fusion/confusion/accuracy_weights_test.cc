@@ -103,30 +103,55 @@ TEST(AccuracyWeights, OfRowsAreEquation9InEveryCell) {
       });
 }
 
-TEST(AccuracyWeights, ByDirectionAreEquation9InEveryCell) {
+// CT(i, d) by direction, as it is written.
+double DirectionCount(const ContingencyTable& table,
+                      const DirectionGrid& directions,
+                      const So3Grid& grid,
+                      const Eigen::Quaterniond& truth,
+                      So3Grid::Cell detected) {
+  const DirectionTrials& trials =
+      table.directions[static_cast<size_t>(directions.CellOf(ViewingDirection(truth)))];
+  double count = 0.0;
+  for (const DifferenceCount& difference : trials.differences) {
+    if (grid.CellOf(truth * difference.Difference()) != detected) continue;
+    count += kTrials * difference.count / trials.trials;
+  }
+  return count;
+}
+
+TEST(AccuracyWeights, ByDirectionAreEquation9OfThePapersTableInEveryCell) {
   Rng rng(32);
-  for (const int k : {4, 8}) {
+  for (const int k : {4, AccuracyWeights::kLargestFull}) {
     const So3Grid grid(k);
     for (const int num_directions : {2, 3, 7, 391}) {
       const ContingencyTable table = Object().Measure(num_directions, 60, 33);
       const DirectionGrid directions(num_directions);
       AccuracyWeights weights = Made(AccuracyWeights::FromDirections(table, grid));
-      ExpectColumn(weights,
-                   grid,
-                   rng,
-                   [&](const Eigen::Quaterniond& truth, const Eigen::Quaterniond& detected) {
-                     const auto direction =
-                         static_cast<size_t>(directions.CellOf(ViewingDirection(truth)));
-                     const DirectionTrials& trials = table.directions[direction];
-                     const So3Grid::Cell cell = grid.CellOf(detected);
-                     double count = 0.0;
-                     for (const DifferenceCount& difference : trials.differences) {
-                       if (grid.CellOf(truth * difference.Difference()) != cell) continue;
-                       count += kTrials * difference.count / trials.trials;
-                     }
-                     return count;
-                   });
+      ExpectColumn(
+          weights,
+          grid,
+          rng,
+          [&](const Eigen::Quaterniond& truth, const Eigen::Quaterniond& detected) {
+            return DirectionCount(
+                table, grid, grid.Representative(grid.CellOf(truth)), grid.CellOf(detected));
+          });
     }
+  }
+}
+
+TEST(AccuracyWeights, ByDirectionAreEquation9InEveryCellOfAFineGrid) {
+  Rng rng(36);
+  const So3Grid grid(AccuracyWeights::kLargestFull + 1);
+  for (const int num_directions : {2, 7, 391}) {
+    const ContingencyTable table = Object().Measure(num_directions, 40, 33);
+    const DirectionGrid directions(num_directions);
+    AccuracyWeights weights = Made(AccuracyWeights::FromDirections(table, grid));
+    ExpectColumn(weights,
+                 grid,
+                 rng,
+                 [&](const Eigen::Quaterniond& truth, const Eigen::Quaterniond& detected) {
+                   return DirectionCount(table, directions, grid, truth, grid.CellOf(detected));
+                 });
   }
 }
 
