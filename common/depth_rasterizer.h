@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -50,29 +52,39 @@ class DepthRasterizer {
 
   /// Depth along z, m; kEmpty where nothing was drawn. width * height values, of the window if only
   /// one was drawn.
-  [[nodiscard]] std::span<const float> depth() const { return depth_; }
+  [[nodiscard]] std::span<const float> depth() const { return {depth_.data(), size_}; }
   /// mesh_id of the pixel's winner, kNoId where nothing was drawn.
-  [[nodiscard]] std::span<const uint32_t> mesh_ids() const { return mesh_ids_; }
+  [[nodiscard]] std::span<const uint32_t> mesh_ids() const { return {mesh_ids_.data(), size_}; }
   /// Index of the winner's triangle in its mesh; kNoId where nothing was drawn.
-  [[nodiscard]] std::span<const uint32_t> triangle_ids() const { return triangle_ids_; }
+  [[nodiscard]] std::span<const uint32_t> triangle_ids() const {
+    return {triangle_ids_.data(), size_};
+  }
   [[nodiscard]] const CameraModel& camera() const { return camera_; }
 
   static constexpr float kNear = 0.05F;  ///< m
 
  private:
-  void DrawTriangle(const Eigen::Vector3f& a,
-                    const Eigen::Vector3f& b,
-                    const Eigen::Vector3f& c,
+  // A corner of a triangle in the image. 1 / z is affine there, so it is what gets interpolated.
+  struct Corner {
+    float u, v;  // px
+    float w;     // 1/m, of its depth
+  };
+
+  [[nodiscard]] Corner Project(const Eigen::Vector3f& p_camera) const;
+  void DrawTriangle(const std::array<Corner, 3>& corners,
                     uint32_t mesh_id,
                     uint32_t triangle_id,
                     PixelWindow* touched);
 
   CameraModel camera_;
   PixelWindow window_;  // The buffers' pixels.
+  size_t size_ = 0;     // px, of it; the buffers are longer, so that eight at once can be read.
   std::vector<float> depth_;
   std::vector<uint32_t> mesh_ids_;
   std::vector<uint32_t> triangle_ids_;
-  std::vector<Eigen::Vector3f> p_camera_;  // Reused: vertices of the mesh in hand.
+  // Reused: vertices of the mesh in hand.
+  std::vector<Eigen::Vector3f> p_camera_;
+  std::vector<Corner> corners_;
 };
 
 }  // namespace vantage
