@@ -34,6 +34,8 @@ std::string TextOf(int64_t value) { return std::to_string(value); }
 std::string TextOf(int value) { return std::to_string(value); }
 std::string TextOf(const std::string& value) { return TextOf(toml::value<std::string>(value)); }
 
+std::string TextOf(const std::optional<double>& value) { return value ? TextOf(*value) : "none"; }
+
 template <class T>
 std::string TextOf(const std::vector<T>& values) {
   std::string text;
@@ -183,6 +185,17 @@ void ConfigReader::Table::Read(const std::string& key,
   const std::optional<int64_t> number = IntegerIn(*node, lowest, highest);
   if (!number) return node_->Fail(key, node, Range(lowest, highest) + ", whole");
   *value = *number;
+}
+
+void ConfigReader::Table::Read(const std::string& key,
+                               std::optional<double>* value,
+                               double lowest,
+                               double highest) {
+  const toml::node* node = node_->Ask(key, *value);
+  if (node == nullptr) return;
+  const std::optional<double> number = NumberIn(*node, lowest, highest);
+  if (!number) return node_->Fail(key, node, Range(lowest, highest));
+  *value = number;
 }
 
 void ConfigReader::Table::Read(const std::string& key, bool* value) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ class ConfigReader {
     void Read(const std::string& key, double* value, double lowest, double highest);
     void Read(const std::string& key, int* value, int lowest, int highest);
     void Read(const std::string& key, int64_t* value, int64_t lowest, int64_t highest);
+    void Read(const std::string& key, std::optional<double>* value, double lowest, double highest);
     void Read(const std::string& key, bool* value);
     void Read(const std::string& key, std::string* value);
     void Read(const std::string& key, std::vector<std::string>* value);

@@ -1,6 +1,6 @@
 #include "nodes/planner_config.h"
 
-#include <limits>
+#include <optional>
 #include <utility>
 
 #include "common/so3.h"
@@ -30,37 +30,41 @@ void ReadCandidates(ConfigReader::Table& table, ViewCandidateParameters* candida
   table.Read("azimuths", &candidates->num_azimuths, 1, 360);
 }
 
+// A box, or with a center a ball. All keys are asked for, so that a misspelt one is told of them.
 void ReadKeepOut(ConfigReader::Table table, ReachabilityParameters* reach) {
-  table.Require("name");
+  const auto corner = [&table](const char* key) {
+    std::vector<double> numbers;
+    table.ReadNumbers(key, 3, -kFarAway, kFarAway, &numbers);
+    return numbers.empty() ? Eigen::Vector3d::Zero().eval() : Eigen::Vector3d(numbers.data());
+  };
   std::string name;
+  table.Require("name");
   table.Read("name", &name);
-  if (table.Has("center_m")) {
-    KeepOutSphere sphere;
-    sphere.name = name;
-    ReadPoint(table, "center_m", &sphere.center);
-    table.Require("radius_m");
-    table.Read("radius_m", &sphere.radius, 1e-3, kFarAway);
-    reach->spheres.push_back(std::move(sphere));
-    return;
+  const KeepOutBox box{name, corner("lowest_m"), corner("highest_m")};
+  const Eigen::Vector3d center = corner("center_m");
+  std::optional<double> radius;
+  table.Read("radius_m", &radius, 1e-3, kFarAway);
+  const bool is_ball = table.Has("center_m") || table.Has("radius_m");
+  if (is_ball && (table.Has("lowest_m") || table.Has("highest_m"))) {
+    table.Fail("name",
+               "expected lowest_m and highest_m of a box, or center_m and radius_m of a ball, "
+               "not some of both");
+  } else if (is_ball) {
+    for (const char* key : {"center_m", "radius_m"}) table.Require(key);
+    reach->spheres.push_back({name, center, radius.value_or(0.0)});
+  } else {
+    for (const char* key : {"lowest_m", "highest_m"}) table.Require(key);
+    reach->boxes.push_back(box);
   }
-  KeepOutBox box;
-  box.name = name;
-  table.Require("lowest_m");
-  table.Require("highest_m");
-  ReadPoint(table, "lowest_m", &box.lowest);
-  ReadPoint(table, "highest_m", &box.highest);
-  reach->boxes.push_back(std::move(box));
 }
 
 void ReadReach(ConfigReader::Table& table, ReachabilityParameters* reach) {
   ReadPoint(table, "arm_base_m", &reach->base);
-  if (table.Has("arm_reach_m")) {
-    std::vector<double> range;
-    table.ReadNumbers("arm_reach_m", 2, 0.0, kFarAway, &range);
-    if (range.size() == 2) {
-      reach->nearest = range[0];
-      reach->farthest = range[1];
-    }
+  std::vector<double> range;
+  table.ReadNumbers("arm_reach_m", 2, 0.0, kFarAway, &range);
+  if (!range.empty()) {
+    reach->nearest = range[0];
+    reach->farthest = range[1];
   }
   for (ConfigReader::Table& keep_out : table.SubTables("keep_out")) ReadKeepOut(keep_out, reach);
 }
@@ -80,11 +84,7 @@ PlannerConfig ReadPlannerConfig(ConfigReader& config) {
   result.seed = static_cast<uint64_t>(seed);
   ReadCandidates(table, &result.views.candidates);
   ReadReach(table, &result.views.reach);
-  if (table.Has("table_height_m")) {
-    double height = 0.0;
-    table.Read("table_height_m", &height, -kFarAway, kFarAway);
-    result.views.occlusion.table_height = height;
-  }
+  table.Read("table_height_m", &result.views.occlusion.table_height, -kFarAway, kFarAway);
   table.Read("travel_weight_nat_per_m", &result.views.travel_weight, 0.0, 1e3);
   table.Read("least_gain_nat", &result.views.stop.least_gain, 0.0, 1e3);
   table.Read("sure", &result.views.stop.sure, 0.01, 0.999999);

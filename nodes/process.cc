@@ -93,6 +93,7 @@ void IgnoreTablesOfOthers(ConfigReader& config) {
                             "verification",
                             "refinement",
                             "fusion",
+                            "confusion",
                             "planner",
                             "sim"}) {
     if (!root.WasAsked(table)) root.Sub(table).IgnoreAll();

@@ -140,12 +140,15 @@ TEST(ConfigReader, EffectiveIsTheFilesValueOrTheDefault) {
   a.Read("name", &name);
   a.Read("use", &use);
   a.ReadNumbers("target", 2, 0.0, 1.0, &target);
+  std::optional<double> height;
+  a.Read("height", &height, 0.0, 1.0);
+  EXPECT_FALSE(height.has_value());
   for (ConfigReader::Table& table : a.SubTables("object")) {
     double x = 1.0;
     table.Read("x", &x, 0.0, 10.0);
   }
   EXPECT_EQ(reader.Effective(),
-            "a.color = false\na.k = 3\na.name = 'XTION'\na.object[0].x = 1\n"
+            "a.color = false\na.height = none\na.k = 3\na.name = 'XTION'\na.object[0].x = 1\n"
             "a.object[1].x = 2.5\na.sigma = 4\na.target = [0, 0.5]\na.use = ['p']\n");
 }
 

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/so3.h"
 #include "nodes/config_reader.h"
+#include "tests/bus/support/temporary_folder.h"
 
 namespace vantage {
 namespace {
@@ -161,6 +163,96 @@ TEST(FusionConfig, WhatDoesNotGoTogetherIsToldAsItIs) {
     const Result<FusionConfig> config = ReadText(text);
     ASSERT_FALSE(config.ok()) << text;
     EXPECT_TRUE(config.error().message.starts_with(start)) << config.error().message;
+  }
+}
+
+TEST(FusionConfig, ReadsWhatThePlannerMayDo) {
+  const std::string models =
+      "[models]\nfolder = \"" VANTAGE_SOURCE_DIR "/models\"\nuse = [\"mug\"]\n";
+  const Result<FusionConfig> defaults = ReadText(models);
+  ASSERT_TRUE(defaults.ok()) << defaults.error().message;
+  EXPECT_EQ(defaults->criterion, "information_gain");
+  EXPECT_EQ(defaults->views.candidates.count, 500);
+  EXPECT_FALSE(defaults->views.occlusion.table_height.has_value());
+  EXPECT_TRUE(defaults->views.reach.boxes.empty());
+  // A ball about the center that is no larger than one about a corner of the mesh.
+  const PlannedShape& mug = defaults->shapes.at("mug");
+  EXPECT_FALSE(mug.mesh.triangles.empty());
+  EXPECT_GE(mug.radius, 0.5 * defaults->models.at("mug").diameter - 1e-9);
+  EXPECT_LE(mug.radius, defaults->models.at("mug").diameter);
+
+  const Result<FusionConfig> config =
+      ReadText(models +
+               "[planner]\ncriterion = \"confusion_heuristic\"\ntable_height_m = -0.25\n"
+               "arm_reach_m = [0.2, 0.9]\n"
+               "[[planner.keep_out]]\nname = \"wall\"\nlowest_m = [0, 0, 0]\n"
+               "highest_m = [1, 2, 3]\n"
+               "[[planner.keep_out]]\nname = \"lamp\"\ncenter_m = [4, 5, 6]\nradius_m = 0.5\n");
+  ASSERT_TRUE(config.ok()) << config.error().message;
+  EXPECT_EQ(config->criterion, "confusion_heuristic");
+  EXPECT_EQ(config->views.occlusion.table_height, -0.25);
+  const ReachabilityParameters& reach = config->views.reach;
+  EXPECT_EQ(reach.nearest, 0.2);
+  EXPECT_EQ(reach.farthest, 0.9);
+  ASSERT_EQ(reach.boxes.size(), 1U);
+  EXPECT_EQ(reach.boxes[0].name, "wall");
+  EXPECT_EQ(reach.boxes[0].highest, Eigen::Vector3d(1.0, 2.0, 3.0));
+  ASSERT_EQ(reach.spheres.size(), 1U);
+  EXPECT_EQ(reach.spheres[0].center, Eigen::Vector3d(4.0, 5.0, 6.0));
+  EXPECT_EQ(reach.spheres[0].radius, 0.5);
+}
+
+TEST(FusionConfig, WrongKeepOutsAreNamed) {
+  const std::string start = "[models]\nfolder = \"" VANTAGE_SOURCE_DIR
+                            "/models\"\nuse = [\"mug\"]\n[[planner.keep_out]]\n";
+  for (const auto& [text, word] : std::vector<std::pair<std::string, std::string>>{
+           {"", "name: missing"},
+           {"name = \"a\"\n", "lowest_m: missing"},
+           {"name = \"a\"\nlowest_m = [0, 0, 0]\n", "highest_m: missing"},
+           {"name = \"a\"\ncenter_m = [0, 0, 0]\n", "radius_m: missing"},
+           {"name = \"a\"\nradius_m = 1\n", "center_m: missing"},
+           {"name = \"a\"\ncenter_m = [0, 0, 0]\nradius_m = 0\n", "radius_m = 0: expected"},
+           {"name = \"a\"\ncenter_m = [0, 0, 0]\nradius_m = 1\nlowest_m = [0, 0, 0]\n",
+            "not some of both"},
+           {"name = \"a\"\nlowest_m = [0, 0, 0]\nhighest_m = [1, 1, -1]\n",
+            "the lowest corner below the highest"},
+           {"name = \"a\"\ncentre_m = [0, 0, 0]\n", "unknown key; known here: center_m, high"}}) {
+    const Result<FusionConfig> config = ReadText(start + text);
+    ASSERT_FALSE(config.ok()) << text;
+    EXPECT_NE(config.error().message.find(word), std::string::npos) << config.error().message;
+  }
+}
+
+// The robot can go on without a table, so one that is of no use is told, not an error.
+TEST(FusionConfig, TablesOfNoUseAreToldAndLeftOut) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "foreign.bin") << "not a table at all";
+  const std::string models =
+      "[models]\nfolder = \"" VANTAGE_SOURCE_DIR "/models\"\nuse = [\"mug\"]\n";
+  for (const auto& [file, word] : std::vector<std::pair<std::string, std::string>>{
+           {"foreign.bin", "foreign.bin"}, {"absent.bin", "absent.bin"}, {"none", ""}}) {
+    std::string path = file;
+    if (file != "none") path = (folder.path() / file).string();
+    const Result<FusionConfig> config =
+        ReadText(models + "[confusion.tables]\nmug = \"" + path + "\"\n");
+    ASSERT_TRUE(config.ok()) << config.error().message;
+    EXPECT_EQ(config->models.at("mug").confusion, nullptr);
+    ASSERT_EQ(config->refused_tables.contains("mug"), !word.empty()) << file;
+    if (word.empty()) continue;
+    EXPECT_NE(config->refused_tables.at("mug").find(word), std::string::npos)
+        << config->refused_tables.at("mug");
+  }
+  const Result<FusionConfig> off =
+      ReadText(models + "[confusion]\nuse = false\n[confusion.tables]\nmug = \"absent.bin\"\n");
+  ASSERT_TRUE(off.ok()) << off.error().message;
+  EXPECT_EQ(off->models.at("mug").confusion, nullptr);
+  EXPECT_TRUE(off->refused_tables.empty());
+  for (const auto& [text, word] : std::vector<std::pair<std::string, std::string>>{
+           {"mug = \"\"\n", "expected a file or \"none\""},
+           {"teapot = \"none\"\n", "\"teapot\", expected one of the models in use: mug"}}) {
+    const Result<FusionConfig> config = ReadText(models + "[confusion.tables]\n" + text);
+    ASSERT_FALSE(config.ok()) << text;
+    EXPECT_NE(config.error().message.find(word), std::string::npos) << config.error().message;
   }
 }
 

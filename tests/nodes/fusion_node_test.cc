@@ -21,6 +21,7 @@
 #include "common/time_range.h"
 #include "nodes/fusion_messages.h"
 #include "tests/nodes/fusion_test_bus.h"
+#include "tests/perception/test_scenes.h"
 #include "vantage/arm_status_t.hpp"
 
 namespace vantage {
@@ -35,6 +36,8 @@ FusionConfig MakeConfig() {
   config.views.candidates.target = kTarget;
   config.models["mug"] = {kCenter, 0.12};
   config.models["filter"] = {kCenter, 0.10};
+  config.shapes["mug"] = {MakeBox({-0.02F, -0.02F, 0.0F}, {0.04F, 0.02F, 0.08F}), 0.06};
+  config.shapes["filter"] = {MakeBox({-0.02F, -0.02F, 0.01F}, {0.04F, 0.02F, 0.07F}), 0.05};
   config.setup = "mug filter";
   return config;
 }

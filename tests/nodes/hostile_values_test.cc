@@ -20,6 +20,7 @@
 #include "perception/model/model_builder.h"
 #include "perception/model/model_generator.h"
 #include "tests/bus/support/temporary_folder.h"
+#include "tests/perception/test_scenes.h"
 #include "vantage/arm_status_t.hpp"
 #include "vantage/next_view_t.hpp"
 #include "vantage/object_estimates_v2_t.hpp"
@@ -162,6 +163,7 @@ class FusionHostileValues : public HostileValues {
     FusionConfig config;
     config.k = 16;
     config.models["mug"] = {Eigen::Vector3d(0.01, 0.0, 0.04), 0.12};
+    config.shapes["mug"] = {MakeBox({-0.02F, -0.02F, 0.0F}, {0.04F, 0.02F, 0.08F}), 0.06};
     config.setup = "mug";
     config.state_file = folder.path() / "state";
     return config;
