@@ -127,14 +127,16 @@ TEST(AccuracyWeights, ByDirectionAreEquation9OfThePapersTableInEveryCell) {
       const ContingencyTable table = Object().Measure(num_directions, 60, 33);
       const DirectionGrid directions(num_directions);
       AccuracyWeights weights = Made(AccuracyWeights::FromDirections(table, grid));
-      ExpectColumn(
-          weights,
-          grid,
-          rng,
-          [&](const Eigen::Quaterniond& truth, const Eigen::Quaterniond& detected) {
-            return DirectionCount(
-                table, grid, grid.Representative(grid.CellOf(truth)), grid.CellOf(detected));
-          });
+      ExpectColumn(weights,
+                   grid,
+                   rng,
+                   [&](const Eigen::Quaterniond& truth, const Eigen::Quaterniond& detected) {
+                     return DirectionCount(table,
+                                           directions,
+                                           grid,
+                                           grid.Representative(grid.CellOf(truth)),
+                                           grid.CellOf(detected));
+                   });
     }
   }
 }
