@@ -1,7 +1,10 @@
 #include "drivers/sim/scene_renderer.h"
 
 #include <cmath>
+#include <span>
 #include <utility>
+
+#include "common/simd.h"
 
 namespace vantage {
 namespace {
@@ -21,6 +24,29 @@ Pose PlanePose(const SimPlane& plane) {
   return pose;
 }
 
+// The rays (x, y, 1) of a row of pixels.
+struct RayRow {
+  float left, step;  // x = left + step u
+  float y;
+  int u0;  // px, the first
+};
+
+struct NormalRow {
+  const float *x, *y, *z;
+};
+
+VANTAGE_SIMD void FindCosines(const RayRow& rays,
+                              const NormalRow& normals,
+                              const float* lengths,
+                              size_t count,
+                              float* cosines) {
+  for (size_t i = 0; i < count; ++i) {
+    const float x = rays.left + static_cast<float>(rays.u0 + static_cast<int>(i)) * rays.step;
+    const float dot = normals.x[i] * x + normals.y[i] * rays.y + normals.z[i];
+    cosines[i] = std::abs(dot) / lengths[i];
+  }
+}
+
 }  // namespace
 
 SceneRenderer::SceneRenderer(const SimScene& scene, const CameraModel& camera)
@@ -32,6 +58,21 @@ SceneRenderer::SceneRenderer(const SimScene& scene, const CameraModel& camera)
   if (scene.table) AddBody(PlaneMesh(*scene.table), PlanePose(*scene.table), Table());
   if (scene.floor) AddBody(PlaneMesh(*scene.floor), PlanePose(*scene.floor), Floor());
   view_.camera = camera;
+  FindRayLengths();
+}
+
+void SceneRenderer::FindRayLengths() {
+  const CameraModel& camera = view_.camera;
+  const auto inverse_fx = static_cast<float>(1.0 / camera.fx);
+  const float left = -static_cast<float>(camera.cx / camera.fx);
+  ray_lengths_.reserve(static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height));
+  for (int v = 0; v < camera.height; ++v) {
+    const auto y = static_cast<float>((v - camera.cy) / camera.fy);
+    for (int u = 0; u < camera.width; ++u) {
+      const float x = left + static_cast<float>(u) * inverse_fx;
+      ray_lengths_.push_back(std::sqrt(x * x + y * y + 1.0F));
+    }
+  }
 }
 
 void SceneRenderer::AddBody(TriangleMesh mesh, const Pose& T_world_body, uint32_t surface) {
@@ -68,30 +109,39 @@ void SceneRenderer::FillView() {
   const CameraModel& camera = view_.camera;
   const auto inverse_fx = static_cast<float>(1.0 / camera.fx);
   const float left = -static_cast<float>(camera.cx / camera.fx);
+  const auto width = static_cast<size_t>(view_.window.width());
   view_.depth.width = view_.window.width();
   view_.depth.height = view_.window.height();
-  const size_t size = rasterizer_.depth().size();
-  view_.depth.depth.resize(size);
-  view_.cos_incidence.resize(size);
-  view_.surface.resize(size);
+  const std::span<const float> depth = rasterizer_.depth();
+  const std::span<const uint32_t> bodies = rasterizer_.mesh_ids();
+  const std::span<const uint32_t> triangles = rasterizer_.triangle_ids();
+  view_.depth.depth.resize(depth.size());
+  view_.cos_incidence.resize(depth.size());
+  view_.surface.resize(depth.size());
+  normals_x_.resize(width);
+  normals_y_.resize(width);
+  normals_z_.resize(width);
   size_t i = 0;
   for (int v = view_.window.v0; v <= view_.window.v1; ++v) {
     const auto y = static_cast<float>((v - camera.cy) / camera.fy);
-    for (int u = view_.window.u0; u <= view_.window.u1; ++u, ++i) {
-      const uint32_t body = rasterizer_.mesh_ids()[i];
-      if (body == DepthRasterizer::kNoId) {
-        view_.depth.depth[i] = DepthImage::kInvalid;
-        view_.cos_incidence[i] = 0.0F;
-        view_.surface[i] = RenderedView::kNoSurface;
-        continue;
-      }
-      const float x = left + static_cast<float>(u) * inverse_fx;
-      const Eigen::Vector3f& n = bodies_[body].normals_camera[rasterizer_.triangle_ids()[i]];
-      const float dot = n.x() * x + n.y() * y + n.z();
-      view_.depth.depth[i] = rasterizer_.depth()[i];
-      view_.cos_incidence[i] = std::abs(dot) / std::sqrt(x * x + y * y + 1.0F);
-      view_.surface[i] = bodies_[body].surface;
+    float* cosines = view_.cos_incidence.data() + i;
+    for (size_t u = 0; u < width; ++u, ++i) {
+      const uint32_t body = bodies[i];
+      const bool is_hit = body != DepthRasterizer::kNoId;
+      const Eigen::Vector3f n = is_hit ? bodies_[body].normals_camera[triangles[i]]
+                                       : Eigen::Vector3f(Eigen::Vector3f::Zero());
+      normals_x_[u] = n.x();
+      normals_y_[u] = n.y();
+      normals_z_[u] = n.z();
+      view_.depth.depth[i] = is_hit ? depth[i] : DepthImage::kInvalid;
+      view_.surface[i] = is_hit ? bodies_[body].surface : RenderedView::kNoSurface;
     }
+    FindCosines({left, inverse_fx, y, view_.window.u0},
+                {normals_x_.data(), normals_y_.data(), normals_z_.data()},
+                ray_lengths_.data() + static_cast<size_t>(v) * static_cast<size_t>(camera.width) +
+                    static_cast<size_t>(view_.window.u0),
+                width,
+                cosines);
   }
 }
 

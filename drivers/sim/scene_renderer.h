@@ -53,12 +53,15 @@ class SceneRenderer {
   };
 
   void AddBody(TriangleMesh mesh, const Pose& T_world_body, uint32_t surface);
+  void FindRayLengths();
   void FillView();
 
   uint32_t num_objects_;
   DepthRasterizer rasterizer_;
   std::vector<Body> bodies_;
+  std::vector<float> ray_lengths_;  // Of (x, y, 1) through each of the camera's pixels.
   RenderedView view_;
+  std::vector<float> normals_x_, normals_y_, normals_z_;  // Reused: of a row's pixels.
 };
 
 }  // namespace vantage

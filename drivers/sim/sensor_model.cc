@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common/check.h"
+#include "common/simd.h"
 
 namespace vantage {
 namespace {
@@ -30,6 +31,77 @@ double NormalQuantile(double p) {
     (0.5 * std::erfc(-middle / std::numbers::sqrt2) < p ? lo : hi) = middle;
   }
   return 0.5 * (lo + hi);
+}
+
+// Disparity of each depth, px; 0 where there is none.
+VANTAGE_SIMD void FindDisparities(const float* depth,
+                                  size_t count,
+                                  float focal_baseline,
+                                  float* disparity) {
+  for (size_t i = 0; i < count; ++i) {
+    const float d = focal_baseline / depth[i];
+    disparity[i] = depth[i] > 0.0F ? d : 0.0F;
+  }
+}
+
+// Shifts of edges in whole px, at most `largest`.
+VANTAGE_SIMD void RoundShifts(
+    const float* sigma, const float* noise, size_t count, int largest, int* shift) {
+  const auto middle = static_cast<float>(largest);
+  for (size_t i = 0; i < count; ++i) {
+    const int rounded = static_cast<int>(sigma[i] * noise[i] + middle + 0.5F) - largest;
+    const int not_above = rounded < largest ? rounded : largest;
+    shift[i] = not_above > -largest ? not_above : -largest;
+  }
+}
+
+// The depth that is reported of one row.
+struct Report {
+  float focal_baseline;     // px m
+  float nearest, farthest;  // m
+  float step;               // px
+};
+
+template <bool kQuantize>
+[[gnu::always_inline]] inline void ReportRow(const Report& report,
+                                             const float* exact_depth,
+                                             const float* exact_disparity,
+                                             const float* observed,
+                                             const float* offset,
+                                             size_t count,
+                                             float* out) {
+  const float inverse_step = 1.0F / report.step;
+  for (size_t i = 0; i < count; ++i) {
+    float d = observed[i] + offset[i];
+    if (kQuantize) {
+      d = static_cast<float>(static_cast<int>(d * inverse_step + 0.5F)) * report.step;
+    }
+    // An untouched pixel keeps its exact depth.
+    const float other = report.focal_baseline / d;
+    const float z = d == exact_disparity[i] ? exact_depth[i] : other;
+    const bool valid = (observed[i] > 0.0F) & (z >= report.nearest) & (z <= report.farthest);
+    out[i] = valid ? z : DepthImage::kInvalid;
+  }
+}
+
+VANTAGE_SIMD void ReportQuantized(const Report& report,
+                                  const float* exact_depth,
+                                  const float* exact_disparity,
+                                  const float* observed,
+                                  const float* offset,
+                                  size_t count,
+                                  float* out) {
+  ReportRow<true>(report, exact_depth, exact_disparity, observed, offset, count, out);
+}
+
+VANTAGE_SIMD void ReportContinuous(const Report& report,
+                                   const float* exact_depth,
+                                   const float* exact_disparity,
+                                   const float* observed,
+                                   const float* offset,
+                                   size_t count,
+                                   float* out) {
+  ReportRow<false>(report, exact_depth, exact_disparity, observed, offset, count, out);
 }
 
 }  // namespace
@@ -59,6 +131,9 @@ void SensorModel::Prepare(const RenderedView& view) {
   projector_column_.resize(width);
   offset_row_.resize(width);
   noise_row_.resize(width);
+  sigma_row_.resize(width);
+  shift_u_row_.resize(width);
+  shift_v_row_.resize(width);
 }
 
 void SensorModel::MakeTables() {
@@ -84,7 +159,6 @@ void SensorModel::MakeBias() {
   bias_amplitude_ = focal_baseline_ * parameters_.bias_at_1m;
   Rng rng(parameters_.device_id, 0x62696173);
   bias_waves_.clear();
-  bias_depth_term_.clear();
   constexpr int kWaves = 5;
   for (int i = 0; i < kWaves; ++i) {
     const double wavelength = rng.Uniform(250.0, 900.0);  // px of the 640 px image
@@ -96,12 +170,7 @@ void SensorModel::MakeBias() {
                            rng.Uniform(0.0, 2.0 * std::numbers::pi),
                            drift});
   }
-  const double phase = rng.Uniform(0.0, 2.0 * std::numbers::pi);
-  for (double d = 0.0; d <= kLargestDisparity; d += kBiasTermStep) {
-    const double angle = 2.0 * std::numbers::pi * d / kBiasDisparityPeriod + phase;
-    bias_depth_term_.push_back(
-        static_cast<float>(bias_amplitude_ * kBiasDepthShare * std::sin(angle)));
-  }
+  bias_phase_ = rng.Uniform(0.0, 2.0 * std::numbers::pi);
 }
 
 void SensorModel::SetDevice(uint64_t device_id) {
@@ -117,15 +186,36 @@ double SensorModel::BiasField(double u, double v, double time) const {
   return bias_amplitude_ * (1.0 - kBiasDepthShare) * sum / static_cast<double>(bias_waves_.size());
 }
 
-float SensorModel::BiasDepthTerm(float disparity) const {
+float SensorModel::BiasTerm(size_t index) const {
+  const double d = kBiasTermStep * static_cast<double>(index);
+  const double angle = 2.0 * std::numbers::pi * d / kBiasDisparityPeriod + bias_phase_;
+  return static_cast<float>(bias_amplitude_ * kBiasDepthShare * std::sin(angle));
+}
+
+size_t SensorModel::BiasTermIndex(float disparity) {
   constexpr float kSteps = static_cast<float>(1.0 / kBiasTermStep);
   constexpr float kLast = static_cast<float>(kLargestDisparity) * kSteps;
-  return bias_depth_term_[static_cast<size_t>(
-      static_cast<int>(std::min(disparity * kSteps, kLast)))];
+  return static_cast<size_t>(static_cast<int>(std::min(disparity * kSteps, kLast)));
+}
+
+// Terms of the disparities in hand; where there is none, any will do.
+void SensorModel::FillBiasTerms() {
+  float least = static_cast<float>(kLargestDisparity);
+  float largest = 0.0F;
+  for (const float d : disparity_) {
+    least = d > 0.0F && d < least ? d : least;
+    largest = d > largest ? d : largest;
+  }
+  bias_terms_.resize(BiasTermIndex(static_cast<float>(kLargestDisparity)) + 1);
+  if (!(largest > 0.0F)) return;
+  for (size_t i = BiasTermIndex(least); i <= BiasTermIndex(largest); ++i) {
+    bias_terms_[i] = BiasTerm(i);
+  }
 }
 
 double SensorModel::BiasDisparity(double u, double v, double disparity, double time) const {
-  return BiasField(u, v, time) + static_cast<double>(BiasDepthTerm(static_cast<float>(disparity)));
+  return BiasField(u, v, time) +
+         static_cast<double>(BiasTerm(BiasTermIndex(static_cast<float>(disparity))));
 }
 
 void SensorModel::FillBiasGrid(double time) {
@@ -154,8 +244,8 @@ void SensorModel::AddBiasRow(int v) {
     const int count = std::min(kBiasCell, window_.width() - u0);
     float* offset = offset_row_.data() + u0;
     for (int i = 0; i < count; ++i) {
-      offset[i] +=
-          left + kPart * static_cast<float>(i) * (right - left) + BiasDepthTerm(truth[u0 + i]);
+      offset[i] += left + kPart * static_cast<float>(i) * (right - left) +
+                   bias_terms_[BiasTermIndex(truth[u0 + i])];
     }
   }
 }
@@ -171,10 +261,13 @@ void SensorModel::Measure(const RenderedView& view,
   const NoiseTile::Window along_v(tile_, rng);
   const NoiseTile::Window dropout(tile_, rng);
 
-  const auto focal_baseline = static_cast<float>(focal_baseline_);
-  for (size_t i = 0; i < disparity_.size(); ++i) {
-    const float z = view.depth.depth[i];
-    disparity_[i] = z > 0.0F ? focal_baseline / z : 0.0F;
+  FindDisparities(view.depth.depth.data(),
+                  disparity_.size(),
+                  static_cast<float>(focal_baseline_),
+                  disparity_.data());
+  if (parameters_.bias) {
+    FillBiasGrid(time);
+    FillBiasTerms();
   }
   // From here on 0 stands for no measurement. What is lost, is lost before edges shift: they shift
   // the borders of holes too.
@@ -189,7 +282,6 @@ void SensorModel::Measure(const RenderedView& view,
   measured->width = window_.width();
   measured->height = window_.height();
   measured->depth.resize(observed_.size());
-  if (parameters_.bias) FillBiasGrid(time);
   for (int v = 0; v < window_.height(); ++v) {
     std::fill(offset_row_.begin(), offset_row_.end(), 0.0F);
     if (parameters_.axial_noise) AddNoiseRow(view, v, axial);
@@ -216,13 +308,20 @@ void SensorModel::CastRowShadows(std::span<float> row) {
   const auto scale = static_cast<float>(1.0 / vga_scale_);
   constexpr float kOffset = static_cast<float>(kProjectorMargin) + 0.5F;
   const auto first = static_cast<size_t>(window_.u0);
-  std::fill(projector_.begin(), projector_.end(), 0.0F);
+  const auto seen = [&](size_t u) {
+    return std::min(row[u] * scale, static_cast<float>(kProjectorMargin));
+  };
+  for (size_t u = 0; u < row.size(); ++u) {
+    projector_column_[u] = static_cast<int>(static_cast<float>(first + u) - seen(u) + kOffset);
+  }
+  const auto [least, largest] =
+      std::minmax_element(projector_column_.begin(), projector_column_.end());
+  std::fill(projector_.begin() + *least, projector_.begin() + *largest + 1, 0.0F);
   int last_column = 0;
   float last = 0.0F;
   for (size_t u = 0; u < row.size(); ++u) {
-    const float d = std::min(row[u] * scale, static_cast<float>(kProjectorMargin));
-    const int column = static_cast<int>(static_cast<float>(first + u) - d + kOffset);
-    projector_column_[u] = column;
+    const float d = seen(u);
+    const int column = projector_column_[u];
     if (d > 0.0F) {
       float& lit = projector_[static_cast<size_t>(column)];
       lit = std::max(lit, d);
@@ -295,40 +394,48 @@ void SensorModel::ShiftEdges(const RenderedView& view,
   FindEdges(view);
   observed_ = disparity_;
   for (int row = 0; row < EdgeRows(); ++row) {
+    const int v1 = std::min((row + 1) * kEdgeBlock, window_.height());
     for (int column = 0; column < EdgeColumns(); ++column) {
-      if (!EdgeNear(column, row)) continue;
-      const int v1 = std::min((row + 1) * kEdgeBlock, window_.height());
-      const int u1 = std::min((column + 1) * kEdgeBlock, window_.width());
-      for (int v = row * kEdgeBlock; v < v1; ++v) {
-        for (int u = column * kEdgeBlock; u < u1; ++u) {
-          ShiftPixel(view,
-                     u,
-                     v,
-                     along_u.at(window_.u0 + u, window_.v0 + v),
-                     along_v.at(window_.u0 + u, window_.v0 + v));
-        }
+      const int first = column;
+      while (column < EdgeColumns() && EdgeNear(column, row)) ++column;
+      const int u1 = std::min(column * kEdgeBlock, window_.width());
+      for (int v = row * kEdgeBlock; first < column && v < v1; ++v) {
+        ShiftPixels(view, first * kEdgeBlock, u1, v, along_u, along_v);
       }
     }
   }
 }
 
-void SensorModel::ShiftPixel(const RenderedView& view, int u, int v, float noise_u, float noise_v) {
-  const size_t i = view.depth.Index(u, v);
-  const float cosine = view.cos_incidence[i];
-  // Without a surface there is no angle either.
-  const auto angle = std::min(static_cast<size_t>(cosine * kAngleSteps), kAngleSteps - 1);
-  const float sigma = lateral_table_[cosine > 0.0F ? angle : kAngleSteps - 1];
-  const auto round = [](float value) {
-    return std::clamp(
-        static_cast<int>(value + kEdgeBlock + 0.5F) - kEdgeBlock, -kEdgeBlock, kEdgeBlock);
-  };
-  const int from_u = u + round(sigma * noise_u);
-  const int from_v = v + round(sigma * noise_v);
-  if (!view.depth.Contains(from_u, from_v)) return;
-  const size_t from = view.depth.Index(from_u, from_v);
-  if (view.surface[from] != view.surface[i] ||
-      std::abs(disparity_[from] - disparity_[i]) > static_cast<float>(parameters_.edge_step)) {
-    observed_[i] = disparity_[from];
+void SensorModel::ShiftPixels(const RenderedView& view,
+                              int u0,
+                              int u1,
+                              int v,
+                              const NoiseTile::Window& along_u,
+                              const NoiseTile::Window& along_v) {
+  const auto count = static_cast<size_t>(u1 - u0);
+  const std::span<float> noise(noise_row_.data(), count);
+  const float* cosines = view.cos_incidence.data() + view.depth.Index(u0, v);
+  constexpr int kLast = static_cast<int>(kAngleSteps) - 1;
+  for (size_t i = 0; i < count; ++i) {
+    // Without a surface there is no angle either.
+    const int angle = std::min(static_cast<int>(cosines[i] * float{kAngleSteps}), kLast);
+    sigma_row_[i] = lateral_table_[static_cast<size_t>(cosines[i] > 0.0F ? angle : kLast)];
+  }
+  along_u.Row(window_.u0 + u0, window_.v0 + v, noise);
+  RoundShifts(sigma_row_.data(), noise.data(), count, kEdgeBlock, shift_u_row_.data());
+  along_v.Row(window_.u0 + u0, window_.v0 + v, noise);
+  RoundShifts(sigma_row_.data(), noise.data(), count, kEdgeBlock, shift_v_row_.data());
+  for (size_t i = 0; i < count; ++i) {
+    const int u = u0 + static_cast<int>(i);
+    const int from_u = u + shift_u_row_[i];
+    const int from_v = v + shift_v_row_[i];
+    if (!view.depth.Contains(from_u, from_v)) continue;
+    const size_t to = view.depth.Index(u, v);
+    const size_t from = view.depth.Index(from_u, from_v);
+    if (view.surface[from] != view.surface[to] ||
+        std::abs(disparity_[from] - disparity_[to]) > static_cast<float>(parameters_.edge_step)) {
+      observed_[to] = disparity_[from];
+    }
   }
 }
 
@@ -357,22 +464,18 @@ void SensorModel::AddNoiseRow(const RenderedView& view, int v, const NoiseTile::
 
 void SensorModel::MeasureRow(const RenderedView& view, int v, float* out) const {
   const size_t row = view.depth.Index(0, v);
-  const auto width = static_cast<size_t>(window_.width());
-  const auto focal_baseline = static_cast<float>(focal_baseline_);
-  const auto nearest = static_cast<float>(parameters_.nearest);
-  const auto farthest = static_cast<float>(parameters_.farthest);
-  const auto step = static_cast<float>(parameters_.disparity_step);
-  const float inverse_step = 1.0F / step;
-  const bool quantize = parameters_.quantization;
-  for (size_t u = 0; u < width; ++u) {
-    const float truth = observed_[row + u];
-    float d = truth + offset_row_[u];
-    if (quantize) d = static_cast<float>(static_cast<int>(d * inverse_step + 0.5F)) * step;
-    // An untouched pixel keeps its exact depth.
-    const float z = d == disparity_[row + u] ? view.depth.depth[row + u] : focal_baseline / d;
-    const bool valid = (truth > 0.0F) & (z >= nearest) & (z <= farthest);
-    out[u] = valid ? z : DepthImage::kInvalid;
-  }
+  const Report report{static_cast<float>(focal_baseline_),
+                      static_cast<float>(parameters_.nearest),
+                      static_cast<float>(parameters_.farthest),
+                      static_cast<float>(parameters_.disparity_step)};
+  (parameters_.quantization ? ReportQuantized : ReportContinuous)(
+      report,
+      view.depth.depth.data() + row,
+      disparity_.data() + row,
+      observed_.data() + row,
+      offset_row_.data(),
+      static_cast<size_t>(window_.width()),
+      out);
 }
 
 }  // namespace vantage

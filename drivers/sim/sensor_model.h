@@ -46,8 +46,11 @@ class SensorModel {
   void MakeBias();
   void Prepare(const RenderedView& view);
   [[nodiscard]] double BiasField(double u, double v, double time) const;
-  [[nodiscard]] float BiasDepthTerm(float disparity) const;
+  // The bias's part over disparity comes in steps, by index.
+  [[nodiscard]] static size_t BiasTermIndex(float disparity);
+  [[nodiscard]] float BiasTerm(size_t index) const;
   void FillBiasGrid(double time);
+  void FillBiasTerms();
   void AddBiasRow(int v);
   void AddNoiseRow(const RenderedView& view, int v, const NoiseTile::Window& noise);
   void DropAtGrazing(const RenderedView& view, const NoiseTile::Window& noise);
@@ -58,7 +61,12 @@ class SensorModel {
   void ShiftEdges(const RenderedView& view,
                   const NoiseTile::Window& along_u,
                   const NoiseTile::Window& along_v);
-  void ShiftPixel(const RenderedView& view, int u, int v, float noise_u, float noise_v);
+  void ShiftPixels(const RenderedView& view,
+                   int u0,
+                   int u1,
+                   int v,
+                   const NoiseTile::Window& along_u,
+                   const NoiseTile::Window& along_v);
   void MeasureRow(const RenderedView& view, int v, float* out) const;
   [[nodiscard]] int EdgeColumns() const { return (window_.width() - 1) / kEdgeBlock + 1; }
   [[nodiscard]] int EdgeRows() const { return (window_.height() - 1) / kEdgeBlock + 1; }
@@ -71,12 +79,13 @@ class SensorModel {
   NoiseTile tile_;
   std::vector<BiasWave> bias_waves_;
   double bias_amplitude_ = 0.0;  // px
-  std::vector<float> bias_depth_term_;
+  double bias_phase_ = 0.0;      // rad, of the part over disparity
   // Over cos_incidence: lateral sigma, px; grazing sigma, m^(3/2); threshold of dropout.
   std::vector<float> lateral_table_, grazing_table_, dropout_table_;
   // Reused.
-  std::vector<float> disparity_, observed_, projector_, bias_grid_, offset_row_, noise_row_;
-  std::vector<int> projector_column_;
+  std::vector<float> disparity_, observed_, projector_, bias_grid_, bias_terms_;
+  std::vector<float> offset_row_, noise_row_, sigma_row_;
+  std::vector<int> projector_column_, shift_u_row_, shift_v_row_;
   std::vector<uint8_t> edge_blocks_;
 };
 
