@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/simd.h"
+
 namespace vantage {
 namespace {
 
@@ -25,6 +27,11 @@ void SmoothLine(const std::vector<float>& kernel,
     }
     line[i * stride] = sum;
   }
+}
+
+VANTAGE_SIMD void AddRows(
+    const float* first, const float* second, size_t count, float factor, float* out) {
+  for (size_t i = 0; i < count; ++i) out[i] = factor * (first[i] + second[i]);
 }
 
 }  // namespace
@@ -75,7 +82,7 @@ void NoiseTile::Window::Row(int u, int v, std::span<float> row) const {
     const size_t a = (x + u1_ + done) & (kWidth - 1);
     const size_t b = (x + u2_ + done) & (kWidth - 1);
     const size_t count = std::min(row.size() - done, kWidth - std::max(a, b));
-    for (size_t i = 0; i < count; ++i) row[done + i] = kHalf * (first[a + i] + second[b + i]);
+    AddRows(first + a, second + b, count, kHalf, row.data() + done);
     done += count;
   }
 }

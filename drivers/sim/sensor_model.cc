@@ -1,7 +1,9 @@
 #include "drivers/sim/sensor_model.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/check.h"
@@ -42,6 +44,20 @@ VANTAGE_SIMD void FindDisparities(const float* depth,
     const float d = focal_baseline / depth[i];
     disparity[i] = depth[i] > 0.0F ? d : 0.0F;
   }
+}
+
+// The least of those above 0 and the largest; 0 stands for none. As bits, disparities from 0 on are
+// in the same order.
+VANTAGE_SIMD void FindExtremes(const float* disparity, size_t count, float* least, float* largest) {
+  uint32_t low = std::numeric_limits<uint32_t>::max();  // Less 1: 0 comes last.
+  uint32_t high = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const auto bits = std::bit_cast<uint32_t>(disparity[i]);
+    low = bits - 1U < low ? bits - 1U : low;
+    high = bits > high ? bits : high;
+  }
+  *least = std::bit_cast<float>(low + 1U);
+  *largest = std::bit_cast<float>(high);
 }
 
 // Shifts of edges in whole px, at most `largest`.
@@ -200,12 +216,9 @@ size_t SensorModel::BiasTermIndex(float disparity) {
 
 // Terms of the disparities in hand; where there is none, any will do.
 void SensorModel::FillBiasTerms() {
-  float least = static_cast<float>(kLargestDisparity);
+  float least = 0.0F;
   float largest = 0.0F;
-  for (const float d : disparity_) {
-    least = d > 0.0F && d < least ? d : least;
-    largest = d > largest ? d : largest;
-  }
+  FindExtremes(disparity_.data(), disparity_.size(), &least, &largest);
   bias_terms_.resize(BiasTermIndex(static_cast<float>(kLargestDisparity)) + 1);
   if (!(largest > 0.0F)) return;
   for (size_t i = BiasTermIndex(least); i <= BiasTermIndex(largest); ++i) {
