@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -106,7 +107,6 @@ void PrintMending(const MeshMending& mending) {
   if (mending.flipped) std::printf("the mesh was inside out: turned all triangles\n");
 }
 
-// What was measured, and what to make of it where a model can't hold all of it.
 void PrintFound(const FoundSymmetry& found, double diameter) {
   std::printf("%s", FoundSymmetryText(found).c_str());
   constexpr double kFarOff = 0.01;
@@ -116,11 +116,6 @@ void PrintFound(const FoundSymmetry& found, double diameter) {
               found.center_offset > kFarOff * diameter
                   ? ": the mesh is uneven, mind the positions of turned copies"
                   : "");
-  if (found.is_sphere) {
-    std::printf(
-        "the object is the same from all sides; the model says continuous about z with "
-        "flips, which is the most that it can: use its position, not its orientation\n");
-  }
 }
 
 Result<void> Build(const Arguments& arguments) {
@@ -163,6 +158,11 @@ Result<void> Build(const Arguments& arguments) {
   PrintMending(*mending);
   PrintSummary(*model);
   if (is_measured) PrintFound(found, model->diameter);
+  if (found.is_sphere) {
+    std::printf(
+        "the object is the same from all sides; the model says continuous about z with "
+        "flips, which is the most that it can: use its position, not its orientation\n");
+  }
   return {};
 }
 
@@ -190,10 +190,6 @@ Result<void> Info(const Arguments& arguments) {
               1e3 * model.center.z());
   std::printf("symmetry    %s\n", SymmetryText(model.symmetry).c_str());
   std::printf("samples     %zu\n", model.samples.size());
-  const Result<FoundSymmetry> measured = MeasureSymmetry(model.mesh);
-  if (!measured) return measured.error();
-  std::printf("measured    %s\n", SymmetryText(measured->group).c_str());
-  PrintFound(*measured, model.diameter);
   std::error_code error;
   if (!fs::exists(folder / kTableName, error)) {
     std::printf("ppf table   none; made when it is needed\n");
@@ -215,23 +211,35 @@ Result<void> Picture(const Arguments& arguments) {
   return {};
 }
 
+struct NamedMesh {
+  TriangleMesh mesh;
+  ContingencyKey key;  // What its contingency tables must be of; of a mesh file empty.
+};
+
 // A mesh file's with its unit, or a model folder's.
-Result<TriangleMesh> MeshOf(const Arguments& arguments) {
+Result<NamedMesh> MeshOf(const Arguments& arguments) {
+  NamedMesh named;
+  const auto wrong = [&arguments](const char* what) {
+    return Error{ErrorCode::kInvalidArgument, arguments.mesh + what};
+  };
   std::error_code error;
+  if (!fs::exists(arguments.mesh, error)) return wrong(": no such model folder or mesh");
   if (fs::is_directory(arguments.mesh, error)) {
     Result<ObjectModel> model = LoadObjectModel(arguments.mesh);
     if (!model) return model.error();
-    return std::move(model->mesh);
+    named.key.model_id = model->id;
+    named.key.mesh_hash = Format("%016jx", uintmax_t{model->mesh_hash});
+    named.mesh = std::move(model->mesh);
+    return named;
   }
-  if (arguments.unit.empty()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 arguments.mesh + " is a mesh, expected --unit mm or --unit m with it"};
-  }
+  if (arguments.unit.empty()) return wrong(" is a mesh, expected --unit mm or --unit m with it");
+  if (!arguments.table.empty()) return wrong(" is a mesh, expected a model folder with --table");
   Result<TriangleMesh> mesh = ImportMesh(arguments.mesh, arguments.unit == "mm" ? 1e-3 : 1.0);
-  if (!mesh) return mesh;
+  if (!mesh) return mesh.error();
   const Result<MeshMending> mending = CheckAndMendMesh(&*mesh);
   if (!mending) return Error{mending.error().code, arguments.mesh + ": " + mending.error().message};
-  return mesh;
+  named.mesh = std::move(mesh).value();
+  return named;
 }
 
 // One representative orientation a line; those that weigh nothing are left out.
@@ -255,32 +263,47 @@ Result<void> WriteWeights(const std::string& file,
   return WriteWholeFile(file, text);
 }
 
+std::string GroupText(const FoundSymmetry& found) {
+  return found.is_sphere ? "a sphere" : SymmetryText(found.group);
+}
+
+// All is read, measured and written before anything is told.
 Result<void> Symmetry(const Arguments& arguments) {
-  const Result<TriangleMesh> mesh = MeshOf(arguments);
-  if (!mesh) return mesh.error();
-  const Result<FoundSymmetry> from_mesh = MeasureSymmetry(*mesh);
-  if (!from_mesh) return from_mesh.error();
-  std::printf("from the mesh: %s\n", SymmetryText(from_mesh->group).c_str());
-  PrintFound(*from_mesh, mesh->Diameter());
-  constexpr int kOfWeights = 8;  // As the paper's figure 6.
-  const So3Grid grid(kOfWeights);
-  if (arguments.table.empty()) {
-    if (arguments.weights.empty()) return {};
-    return WriteWeights(arguments.weights, grid, MeshSymmetryWeights(*mesh, grid), "mesh");
+  const Result<NamedMesh> named = MeshOf(arguments);
+  if (!named) return named.error();
+  std::optional<ContingencyTable> table;
+  if (!arguments.table.empty()) {
+    Result<ContingencyTable> read = ReadContingencyTable(arguments.table);
+    if (!read) return read.error();
+    table = std::move(read).value();
+    Result<void> fits = CheckContingencyKey(table->key, named->key, arguments.table);
+    if (!fits) return fits;
   }
-  const Result<ContingencyTable> table = ReadContingencyTable(arguments.table);
-  if (!table) return table.error();
-  const Result<FoundSymmetry> from_table = SymmetryOfTable(*table);
+  const Result<FoundSymmetry> from_mesh = MeasureSymmetry(named->mesh);
+  if (!from_mesh) return from_mesh.error();
+  const Result<FoundSymmetry> from_table = table ? SymmetryOfTable(*table) : FoundSymmetry{};
   if (!from_table) return from_table.error();
-  std::printf("from the table of %s and %s: %s\n%s",
-              table->key.model_id.c_str(),
-              table->key.estimator.c_str(),
-              SymmetryText(from_table->group).c_str(),
-              FoundSymmetryText(*from_table).c_str());
-  if (arguments.weights.empty()) return {};
-  const auto weights = TableSymmetryWeights(*table, grid);
-  if (!weights) return weights.error();
-  return WriteWeights(arguments.weights, grid, *weights, "table");
+  if (!arguments.weights.empty()) {
+    constexpr int kOfWeights = 8;  // As the paper's figure 6.
+    const So3Grid grid(kOfWeights);
+    const auto weights =
+        table ? TableSymmetryWeights(*table, grid) : Result(MeshSymmetryWeights(named->mesh, grid));
+    if (!weights) return weights.error();
+    const char* source = table ? "table" : "mesh";
+    Result<void> written = WriteWeights(arguments.weights, grid, *weights, source);
+    if (!written) return written;
+  }
+  std::printf("from the mesh: %s\n", GroupText(*from_mesh).c_str());
+  PrintFound(*from_mesh, named->mesh.Diameter());
+  if (table) {
+    std::printf("from the table of %s and %s: %s\n%s",
+                table->key.model_id.c_str(),
+                table->key.estimator.c_str(),
+                GroupText(*from_table).c_str(),
+                FoundSymmetryText(*from_table).c_str());
+  }
+  if (!arguments.weights.empty()) std::printf("wrote %s\n", arguments.weights.c_str());
+  return {};
 }
 
 int Run(int argc, char** argv) {

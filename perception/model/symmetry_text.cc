@@ -109,8 +109,10 @@ bool IsAxis(const Eigen::Vector3d& axis) {
 }
 
 std::string AxisText(const Eigen::Vector3d& axis) {
-  // Adding 0 turns -0 into 0.
-  return Format("(%.4g, %.4g, %.4g)", axis.x() + 0.0, axis.y() + 0.0, axis.z() + 0.0);
+  // What is left of rounding is no part of a direction. Adding 0 turns -0 into 0.
+  constexpr double kRounding = 1e-6;
+  const Eigen::Vector3d told = (axis.array().abs() < kRounding).select(0.0, axis.array() + 0.0);
+  return Format("(%.4g, %.4g, %.4g)", told.x(), told.y(), told.z());
 }
 
 }  // namespace

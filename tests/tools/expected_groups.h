@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <ostream>
 
 namespace vantage {
 
@@ -11,6 +12,9 @@ struct ExpectedGroup {
   int order;         ///< 1: none; 0: continuous
   bool flips;        ///< half turns across the axis
   const char* why;
+
+  /// How tests are named and messages tell it.
+  friend void PrintTo(const ExpectedGroup& group, std::ostream* stream) { *stream << group.name; }
 };
 
 inline constexpr std::array<ExpectedGroup, 18> kGeneratedGroups = {{

@@ -35,13 +35,23 @@ void ExpectGroup(const ExpectedGroup& expected, const TriangleMesh& mesh) {
   EXPECT_EQ(found->group.elements.size(), size) << text;
 }
 
-TEST(MeasuredGroups, OfTheBundledObjects) {
-  for (const ExpectedGroup& expected : kGeneratedGroups) {
-    const Result<GeneratedObject> object = GenerateObject(expected.name);
-    ASSERT_TRUE(object.ok()) << object.error().message;
-    ExpectGroup(expected, object->mesh);
-  }
+// "ycb_Banana" of "ycb_Banana.obj".
+std::string TestName(const testing::TestParamInfo<ExpectedGroup>& info) {
+  return fs::path(info.param.name).stem().string();
 }
+
+class MeasuredGroupsOfObjects : public testing::TestWithParam<ExpectedGroup> {};
+
+TEST_P(MeasuredGroupsOfObjects, AreWhatTheObjectsAre) {
+  const Result<GeneratedObject> object = GenerateObject(GetParam().name);
+  ASSERT_TRUE(object.ok()) << object.error().message;
+  ExpectGroup(GetParam(), object->mesh);
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         MeasuredGroupsOfObjects,
+                         testing::ValuesIn(kGeneratedGroups),
+                         TestName);
 
 class MeasuredGroupsOfScans : public testing::TestWithParam<ExpectedGroup> {};
 
@@ -56,7 +66,7 @@ TEST_P(MeasuredGroupsOfScans, AreWhatTheObjectsAre) {
   ExpectGroup(GetParam(), *mesh);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, MeasuredGroupsOfScans, testing::ValuesIn(kScanGroups));
+INSTANTIATE_TEST_SUITE_P(All, MeasuredGroupsOfScans, testing::ValuesIn(kScanGroups), TestName);
 
 }  // namespace
 }  // namespace vantage
