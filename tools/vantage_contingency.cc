@@ -36,6 +36,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kNamedMissing = 20;  // Ranges of directions in a message.
+// From so many directions on, four and more lie within 5 degrees of any one and lend it their
+// trials (ConfusionModel): each may then be content with less of its own, 24 trials that agree in
+// place of 69.
+constexpr int kDense = 2500;
+constexpr double kConfusionOfDense = 0.2;  // StoppingParameters::largest_confusion
 
 struct Arguments {
   // Of measure and test.
@@ -88,11 +93,15 @@ Result<Setup> MakeSetup(const Arguments& arguments, const std::string& file, con
   return setup;
 }
 
-Result<TrialPlan> MakePlan(const Arguments& arguments, const ObjectModel& model) {
+Result<TrialPlan> MakePlan(const Arguments& arguments,
+                           const ObjectModel& model,
+                           int num_directions) {
   TrialPlan plan{model.id, arguments.seed, model.symmetry, {}};
   if (arguments.trials > 0) {
     plan.stopping.least_trials = arguments.trials;
     plan.stopping.most_trials = arguments.trials;
+  } else if (num_directions >= kDense) {
+    plan.stopping.largest_confusion = kConfusionOfDense;
   }
   if (Result<void> valid = plan.stopping.Validate(); !valid) return valid.error();
   return plan;
@@ -172,7 +181,7 @@ Result<int> Measure(const Arguments& arguments) {
   if (!all) return all.error();
   const Result<Setup> setup = MakeSetup(arguments, arguments.output, "--output");
   if (!setup) return setup.error();
-  const Result<TrialPlan> plan = MakePlan(arguments, setup->model);
+  const Result<TrialPlan> plan = MakePlan(arguments, setup->model, num_directions);
   if (!plan) return plan.error();
   const ContingencyKey key =
       MakeKey(setup->model, setup->parameters, *plan, num_directions, arguments.k);
@@ -315,7 +324,17 @@ void AddMeasure(CLI::App* command, Arguments* arguments) {
       ->check(CLI::Range(0, DirectionGrid::kMost));
   command->add_option(
       "--rows", arguments->rows, "rows as the paper measures them: 0,17,100-140 or random:20");
-  command->add_option("--trials", arguments->trials, "always so many, not until they are enough")
+  command
+      ->add_option(
+          "--trials",
+          arguments->trials,
+          Format("always so many, not until they are enough: until no outcome that was not "
+                 "seen can have a share of %g, of %g from %d directions on, and the share "
+                 "of every other is known to %g",
+                 StoppingParameters{}.largest_confusion,
+                 kConfusionOfDense,
+                 kDense,
+                 StoppingParameters{}.widest))
       ->check(CLI::Range(1, 1'000'000));
   command->add_option("--seed", arguments->seed, "of all that is random")
       ->check(CLI::Range(int64_t{0}, INT64_MAX))

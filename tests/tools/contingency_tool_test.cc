@@ -59,6 +59,22 @@ void WriteSphere(const fs::path& file) {
   }
 }
 
+// Directions so near to each other share their trials.
+TEST_F(ContingencyTool, FewerTrialsWillDoWhereDirectionsAreDense) {
+  const auto largest_confusion = [this](int directions) {
+    const std::string file = Format("%d.bin", directions);
+    ExpectRun(Format("measure hub --directions %d --shard 1/%d --threads 1 --output %s",
+                     directions,
+                     directions,
+                     file.c_str()));
+    const std::string text = Run("show " + file).text;
+    const size_t line = text.find("largest_confusion");
+    return line == std::string::npos ? text : text.substr(line, text.find('\n', line) - line);
+  };
+  EXPECT_NE(largest_confusion(391).find("0.08"), std::string::npos) << largest_confusion(391);
+  EXPECT_NE(largest_confusion(6246).find("0.2"), std::string::npos) << largest_confusion(6246);
+}
+
 TEST_F(ContingencyTool, ShardsMergeToTheWholeAndShow) {
   ExpectRun(std::string(kFew) + "--rows 5 --threads 1 --output whole.bin");
   EXPECT_FALSE(fs::exists(scratch() / "whole.bin.trials"));
