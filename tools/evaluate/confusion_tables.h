@@ -20,7 +20,9 @@ namespace vantage {
 /// How the contingency tables of an evaluation are measured.
 struct ConfusionTableParameters {
   TrialParameters trials;
-  StoppingParameters stopping;
+  /// A direction in which all trials agree ends after 26: with so many objects the trials of its
+  /// neighbors, which ConfusionModel takes in, must do.
+  StoppingParameters stopping{.largest_confusion = 0.2, .widest = 0.4};
   uint64_t seed = 1;
   int k = 8;                     ///< as many viewing directions as suit the grid of this k
   int threads = 1;               ///< more or fewer change nothing but the time
