@@ -56,7 +56,9 @@ struct ObjectEstimate {
   Pose T_world_object = Pose::Identity();  ///< translation of the model's origin; rotation q_f
   Eigen::Vector3d center_world = Eigen::Vector3d::Zero();       ///< m, of the model's center
   Eigen::Matrix3d center_covariance = Eigen::Matrix3d::Zero();  ///< m^2
-  std::vector<OrientationPeak> peaks;                           ///< best first, at least one
+  /// Best first, at least one; their weights are shares of the histogram's mass, with a belief
+  /// probabilities.
+  std::vector<OrientationPeak> peaks;
   /// Best first; empty without a confusion model. Of the viewpoints that it was detected from: from
   /// others it may have been hidden.
   std::vector<OrientationHypothesis> belief;

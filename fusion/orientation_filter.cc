@@ -13,10 +13,15 @@
 namespace vantage {
 namespace {
 
+// Truths this near to their detection, in sigma_cw, are no other mode: beside the detection itself
+// they would only widen what tells where exactly its mode is.
+constexpr double kApart = 3.0;
+
 // An orientation that a detection may stand for.
 struct Truth {
   Eigen::Quaterniond q_world_object;
   double share;
+  double angle;  // rad, from the detection.
 };
 
 // P(truth | detection) of one view without a prior (paper eq. 8), what is left by outliers being
@@ -25,7 +30,7 @@ std::vector<Truth> TruthsOf(const OrientationView& view,
                             const ConfusionModel* confusion,
                             double* everywhere) {
   const Eigen::Quaterniond q = view.q_world_object.normalized();
-  if (confusion == nullptr || !view.q_world_camera) return {{q, 1.0}};
+  if (confusion == nullptr || !view.q_world_camera) return {{q, 1.0, 0.0}};
   const Eigen::Quaterniond q_camera_world = view.q_world_camera->normalized().conjugate();
   const double outliers = confusion->parameters().outlier_share;
   std::vector<Truth> truths;
@@ -37,7 +42,10 @@ std::vector<Truth> TruthsOf(const OrientationView& view,
     // A detection may be right even where none ever was.
     if (mode == 0) share = confusion->WithOutliers(confusion->ShareFrom(direction, mode));
     if (share <= 0.0) continue;
-    truths.push_back({truth, share});
+    const double angle =
+        mode == 0 ? 0.0
+                  : GeodesicAngle(confusion->Difference(mode), Eigen::Quaterniond::Identity());
+    truths.push_back({truth, share, angle});
     sum += share;
   }
   for (Truth& truth : truths) truth.share /= sum;
@@ -160,7 +168,10 @@ void OrientationFilter::AddDetection(const OrientationView& view, double sigma_m
   for (const Truth& truth : TruthsOf(view, knowledge_.confusion, &everywhere)) {
     const double weight = w_v * truth.share;
     histogram_.Add(truth.q_world_object, sigma, weight);
-    kernels.push_back({truth.q_world_object, sigma_motion, weight * precision});
+    if (truth.angle > 0.0 && truth.angle <= kApart * parameters_.sigma_cw) continue;
+    // Where a detection's own mode is right, it tells where that is whatever it is confused with.
+    const double certain = truth.angle > 0.0 ? weight : w_v;
+    kernels.push_back({truth.q_world_object, sigma_motion, certain * precision});
     weights.push_back(weight);
   }
   if (everywhere > 0.0) histogram_.AddDensity({}, w_v * everywhere);
@@ -208,7 +219,7 @@ void OrientationFilter::FindFinalOrientation() {
         break;
     }
   }
-  RankByBelief();
+  WeighByBelief();
   q_f_.emplace_back();
   if (!peaks_.empty()) q_f_.back() = peaks_.front().q;
 }
@@ -248,47 +259,59 @@ OrientationPeak OrientationFilter::AtMode(OrientationPeak peak) const {
   return peak;
 }
 
-// Peaks by the probability of the hypotheses that they are the nearest to. The best hypothesis has
-// one even where the histogram is low: views can outvote what they rule out one by one.
-void OrientationFilter::RankByBelief() {
-  belief_.clear();
-  if (knowledge_.confusion == nullptr || peaks_.empty()) return;
+std::vector<ConfusionView> OrientationFilter::ViewsOfBelief() const {
   std::vector<ConfusionView> views;
   for (const OrientationView& view : views_) {
     const bool counts = VerificationWeight(view.mse, parameters_.sigma_vw) > 0.0;
     if (!view.q_world_camera || !counts) continue;
     views.push_back({view.q_world_camera->normalized(), view.q_world_object.normalized()});
   }
-  belief_ = ModeBelief(*knowledge_.confusion, views);
+  return views;
+}
+
+// Gives every peak the probability of the hypotheses that it is the nearest to. Likely hypotheses
+// have a peak even where the histogram is low: views can outvote what they rule out one by one.
+void OrientationFilter::WeighByBelief() {
+  belief_.clear();
+  if (knowledge_.confusion == nullptr || peaks_.empty()) return;
+  belief_ = ModeBelief(*knowledge_.confusion, ViewsOfBelief());
+  if (belief_.empty()) return;
+  for (OrientationPeak& peak : peaks_) peak.weight = 0.0;
+  const double w_mode = parameters_.peaks.w_mode;
+  const double likely = w_mode * belief_.front().probability;
   const double reach = knowledge_.confusion->parameters().mode_radius + parameters_.sigma_cw;
-  std::vector<std::pair<double, OrientationPeak>> ranked;
-  for (const OrientationPeak& peak : peaks_) ranked.emplace_back(0.0, peak);
-  for (size_t i = 0; i < belief_.size(); ++i) {
-    std::pair<double, OrientationPeak>* nearest = nullptr;
-    double least = reach;
-    for (auto& peak : ranked) {
-      const double angle =
-          SymmetricAngle(knowledge_.symmetry, peak.second.q, belief_[i].q_world_object);
-      if (angle >= least) continue;
-      least = angle;
+  const auto nearest_to = [this](const Eigen::Quaterniond& q, double radius) {
+    OrientationPeak* nearest = nullptr;
+    for (OrientationPeak& peak : peaks_) {
+      const double angle = SymmetricAngle(knowledge_.symmetry, peak.q, q);
+      if (angle >= radius) continue;
+      radius = angle;
       nearest = &peak;
     }
-    if (nearest != nullptr) {
-      nearest->first += belief_[i].probability;
-    } else if (i == 0) {
-      ranked.emplace_back(belief_[i].probability, PeakOf(belief_[i]));
+    return nearest;
+  };
+  for (const OrientationHypothesis& hypothesis : belief_) {
+    OrientationPeak* known = nearest_to(hypothesis.q_world_object, reach);
+    if (known == nullptr && hypothesis.probability >= likely) {
+      const OrientationPeak peak = PeakOf(hypothesis);
+      known = nearest_to(peak.q, parameters_.sigma_cw);
+      if (known == nullptr) peaks_.push_back(peak);
     }
+    if (known != nullptr) known->weight += hypothesis.probability;
   }
-  std::stable_sort(
-      ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  peaks_.clear();
-  for (const auto& [probability, peak] : ranked) peaks_.push_back(peak);
+  std::stable_sort(peaks_.begin(), peaks_.end(), [](const auto& a, const auto& b) {
+    return a.weight > b.weight;
+  });
+  std::erase_if(peaks_, [least = w_mode * peaks_.front().weight](const OrientationPeak& peak) {
+    return peak.weight < least;
+  });
 }
 
 OrientationPeak OrientationFilter::PeakOf(const OrientationHypothesis& hypothesis) const {
   OrientationPeak peak;
   peak.q = hypothesis.q_world_object;
-  // As much of the mass as is within reach, as the clusters have theirs.
+  peak.weight = hypothesis.probability;
+  // As wide as the mass within reach, as those of the clusters are.
   std::vector<So3Grid::NearCell> cells;
   grid_->CellsWithin(peak.q, 2.0 * parameters_.sigma_cw, &cells);
   double mass = 0.0;
@@ -297,7 +320,6 @@ OrientationPeak OrientationFilter::PeakOf(const OrientationHypothesis& hypothesi
     mass += weight;
     peak.spread += weight * cell.squared_angle;
   }
-  peak.weight = mass / histogram_.Mass();
   peak.spread = mass > 0.0 ? std::sqrt(peak.spread / mass) : parameters_.sigma_cw;
   peak.covariance = peak.spread * peak.spread / 3.0 * Eigen::Matrix3d::Identity();
   return parameters_.final_orientation == FinalOrientation::kDensityMode ? AtMode(peak) : peak;

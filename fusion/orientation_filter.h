@@ -52,8 +52,10 @@ struct OrientationKnowledge {
 ///
 /// With a confusion model a detection q_D is added at each truth q_D q'* that it may stand for,
 /// with the share of the mode q' from where that truth is seen: the accuracy weights of paper 6.1
-/// free of the grid (with the identity as the only mode, the confidence weights). The peaks then
-/// are in the order of the belief that all views leave.
+/// free of the grid (with the identity as the only mode, the confidence weights). Their sum (eq.
+/// 10) never leaves one mode of several, since a right detection of an ambiguous side speaks for
+/// the alternatives too. So the peaks then are those of the belief, the product of the same
+/// weights: their weight is a probability, and less likely ones are left out (paper Fig. 16).
 class OrientationFilter : public OrientationFusion {
  public:
   /// @param grid outlives the filter. @param parameters valid.
@@ -71,7 +73,9 @@ class OrientationFilter : public OrientationFusion {
 
   [[nodiscard]] Result<Eigen::Quaterniond> Estimate() const override;
   [[nodiscard]] const OrientationHistogram& histogram() const { return histogram_; }
-  /// Modes, best first; empty while no view has weight.
+  /// Modes, best first; empty while no view has weight. OrientationPeak::weight is a share of the
+  /// histogram's mass, with a belief() the probability of the hypotheses that the peak stands for;
+  /// peaks below w_mode times the best one's then are left out.
   [[nodiscard]] const std::vector<OrientationPeak>& peaks() const { return peaks_; }
   /// The posterior over the truths that the views allow, best first; empty without a confusion
   /// model.
@@ -90,7 +94,8 @@ class OrientationFilter : public OrientationFusion {
   void FindFinalOrientation();
   void RefinePeaks();
   [[nodiscard]] OrientationPeak AtMode(OrientationPeak peak) const;
-  void RankByBelief();
+  [[nodiscard]] std::vector<ConfusionView> ViewsOfBelief() const;
+  void WeighByBelief();
   [[nodiscard]] OrientationPeak PeakOf(const OrientationHypothesis& hypothesis) const;
   [[nodiscard]] Eigen::Quaterniond HeaviestCell() const;
   // Angle between q_f so many views ago and the one before, rad; -1 where either is none.

@@ -23,7 +23,9 @@ struct PeakParameters {
 /// A mode of the orientation: a cluster C of the paper's list L_C.
 struct OrientationPeak {
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-  double weight = 0.0;  ///< [0, 1], the cluster's share of the histogram's mass
+  /// [0, 1], the cluster's share of the histogram's mass; where OrientationFilter has a belief, the
+  /// probability of the hypotheses that the peak stands for.
+  double weight = 0.0;
   double spread = 0.0;  ///< rad, root mean square angle of the cluster's mass about q
   /// rad^2, of the cluster's mass about q: of the rotation vectors r, in the world's axes, that
   /// take q to a cell's representative, exp(r) q. Its trace is spread^2.

@@ -1,9 +1,11 @@
-// An object with four alike sides and a feature that 40 % of the directions show, as the filter of
-// the paper's figure 16. Here the sum of normalized accuracy weights (eq. 10) does not leave one
-// peak of four, as the paper found: each view's share of the alternatives stays in the sum. The
-// belief, which multiplies, leaves one.
+// Objects with four or two alike sides and a feature that 30 to 40 % of the directions show, as the
+// filter and the shampoo of the paper's figure 16. The sum of normalized accuracy weights (eq. 10)
+// does not leave one peak of four, as the paper found: each view's share of the alternatives stays
+// in the sum. The belief, which multiplies, leaves one.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <string>
@@ -32,8 +34,10 @@ std::shared_ptr<const ConfusionModel> Model() {
 }
 
 // Looks from all around.
-std::vector<OrientationView> Looks(const Eigen::Quaterniond& truth, int count, Rng& rng) {
-  const SyntheticObject object;
+std::vector<OrientationView> Looks(const Eigen::Quaterniond& truth,
+                                   int count,
+                                   Rng& rng,
+                                   const SyntheticObject& object = {}) {
   std::vector<OrientationView> views;
   for (int i = 0; i < count; ++i) {
     const Eigen::Quaterniond camera = rng.Rotation();
@@ -88,6 +92,150 @@ TEST(AmbiguousObject, BeliefLeavesOneOfTheFourPeaks) {
     EXPECT_LT(GeodesicAngle(accuracy.peaks().front().q, truth), 1.0 * kDegree);
     ASSERT_FALSE(accuracy.belief().empty());
     EXPECT_GT(accuracy.belief().front().probability, 0.99);
+  }
+}
+
+// Probability of each turn of the truth, by the object's own shares.
+std::vector<double> ExactBelief(const SyntheticObject& object,
+                                const Eigen::Quaterniond& truth,
+                                const std::vector<OrientationView>& views) {
+  std::vector<double> belief;
+  for (int turn = 0; turn < object.order; ++turn) {
+    const Eigen::Quaterniond hypothesis = truth * object.Turn(turn);
+    double probability = 1.0;
+    for (const OrientationView& view : views) {
+      const Eigen::Vector3d direction =
+          ViewingDirection(view.q_world_camera->conjugate() * hypothesis);
+      int detected = 0;
+      while (GeodesicAngle(hypothesis * object.Turn(detected), view.q_world_object) > 0.5) {
+        ++detected;
+      }
+      probability *= object.Share(direction, detected);
+    }
+    belief.push_back(probability);
+  }
+  double sum = 0.0;
+  for (const double one : belief) sum += one;
+  for (double& one : belief) one /= sum;
+  return belief;
+}
+
+struct Ambiguity {
+  int order;
+  double visible_share;
+  double solved;  // Least share of sequences.
+};
+class AmbiguousObjectOf : public ::testing::TestWithParam<Ambiguity> {};
+
+// Figure 16. Of 400 such sequences the table leaves one peak, the right one, in 98 to 99 % with
+// four alike sides and in 94 to 95 % with two, of which views rule out less: what stays open is
+// open by the object's own shares too. Equation 10 alone on a grid of k = 8 leaves one peak in 1 to
+// 2 % with four and in 0 to 0.3 % with two.
+TEST_P(AmbiguousObjectOf, TheTableLeavesOnePeakOfThoseOfConfidenceWeights) {
+  SyntheticObject object;
+  object.order = GetParam().order;
+  object.visible_share = GetParam().visible_share;
+  const ContingencyTable table = object.Measure(391, 250, 47);
+  const ConfusionModel model = ConfusionModel::Make(table, SymmetryGroup::None()).value();
+  const So3Grid grid(16);
+  Rng rng(48);
+  int num_ambiguous = 0;
+  int num_solved = 0;
+  int num_decided = 0;
+  int num_left = 0;
+  for (int sequence = 0; sequence < 80; ++sequence) {
+    const Eigen::Quaterniond truth = rng.Rotation();
+    const std::vector<OrientationView> views = Looks(truth, 12, rng, object);
+    const bool seen = std::ranges::any_of(views, [&](const OrientationView& view) {
+      return object.IsVisible(ViewingDirection(view.q_world_camera->conjugate() * truth));
+    });
+    if (!seen || Fused(grid, views, nullptr).peaks().size() == 1) continue;
+    ++num_ambiguous;
+    const std::vector<OrientationPeak> peaks = Fused(grid, views, &model).peaks();
+    ASSERT_FALSE(peaks.empty());
+    double sum = 0.0;
+    for (const OrientationPeak& peak : peaks) {
+      EXPECT_GE(peak.weight, PeakParameters{}.w_mode * peaks.front().weight);
+      sum += peak.weight;
+    }
+    EXPECT_LE(sum, 1.0 + 1e-9);
+    const auto is_alone = [&](int turn) {
+      return peaks.size() == 1 &&
+             GeodesicAngle(peaks.front().q, truth * object.Turn(turn)) < 3.0 * kDegree;
+    };
+    num_solved += is_alone(0) ? 1 : 0;
+    const std::vector<double> exact = ExactBelief(object, truth, views);
+    const auto best = std::ranges::max_element(exact);
+    if (*best < 0.9) continue;
+    ++num_decided;
+    num_left += is_alone(static_cast<int>(best - exact.begin())) ? 1 : 0;
+  }
+  EXPECT_GE(num_ambiguous, 30);
+  EXPECT_GE(num_solved, GetParam().solved * num_ambiguous);
+  EXPECT_GE(num_left, 0.97 * num_decided);
+}
+
+INSTANTIATE_TEST_SUITE_P(Turns,
+                         AmbiguousObjectOf,
+                         ::testing::Values(Ambiguity{4, 0.3, 0.95},
+                                           Ambiguity{4, 0.4, 0.95},
+                                           Ambiguity{2, 0.3, 0.9},
+                                           Ambiguity{2, 0.4, 0.9}));
+
+// A feature that no view shows leaves the alternatives.
+TEST(AmbiguousObject, PeaksThatNoViewRulesOutStayWithTheirProbability) {
+  const So3Grid grid(16);
+  const SyntheticObject object;
+  Rng rng(49);
+  // Seen from above, where no turn shows the feature.
+  const Eigen::Quaterniond truth = OrientationSeenFrom(Eigen::Vector3d::UnitZ(), 0.3);
+  const Eigen::Quaterniond camera = Eigen::Quaterniond::Identity();
+  const std::vector<OrientationView> views = {{*object.Detect(truth, rng), 0.0, camera}};
+  const std::vector<OrientationPeak> peaks = Fused(grid, views, Model().get()).peaks();
+  ASSERT_EQ(peaks.size(), 4U);
+  for (const OrientationPeak& peak : peaks) EXPECT_NEAR(peak.weight, 0.25, 0.05);
+}
+
+// Confusions with orientations near by, in a table, must not move what detections agree on.
+TEST(AmbiguousObject, ConfusionWithNeighborsLeavesTheFinalOrientation) {
+  const So3Grid grid(16);
+  struct Case {
+    double step;   // rad, between neighbors about z.
+    int num;       // To either side.
+    double share;  // Of each neighbor.
+  };
+  for (const Case& one :
+       {Case{8.0 * kDegree, 1, 0.1}, Case{9.0 * kDegree, 1, 0.45}, Case{6.0 * kDegree, 15, 0.03}}) {
+    SyntheticObject object;
+    object.order = 1;
+    object.error = 0.3 * kDegree;
+    ContingencyTable table = object.Measure(391, 100, 50);
+    const DirectionGrid directions(391);
+    // From a third of the directions to one side only, as where a handle begins to hide.
+    for (int i = 0; i < 391; ++i) {
+      const double z = directions.Center(i).z();
+      if (std::abs(z) > 2.0 / 3.0) continue;
+      DirectionTrials mixed;
+      for (int n = z < 0.0 ? 0 : -one.num; n <= one.num; ++n) {
+        const double share = n == 0 ? 1.0 - (z < 0.0 ? 1 : 2) * one.num * one.share : one.share;
+        SyntheticObject::Count(ExpSo3(n * one.step * Eigen::Vector3d::UnitZ()),
+                               &mixed,
+                               static_cast<int>(std::lround(250 * share)));
+      }
+      table.directions[static_cast<size_t>(i)] = mixed;
+    }
+    const ConfusionModel model = ConfusionModel::Make(table, SymmetryGroup::None()).value();
+    ASSERT_GE(model.num_modes(), 3);
+    Rng rng(51);
+    double with = 0.0;
+    double without = 0.0;
+    for (int sequence = 0; sequence < 40; ++sequence) {
+      const Eigen::Quaterniond truth = rng.Rotation();
+      const std::vector<OrientationView> views = Looks(truth, 3 + sequence % 8, rng, object);
+      with += GeodesicAngle(Fused(grid, views, &model).peaks().front().q, truth);
+      without += GeodesicAngle(Fused(grid, views, nullptr).peaks().front().q, truth);
+    }
+    EXPECT_LE(with, 1.01 * without) << one.step << ", " << one.num;
   }
 }
 
