@@ -1,17 +1,9 @@
 #include "tools/contingency/work_file.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <limits>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "common/check.h"
@@ -22,8 +14,7 @@
 namespace vantage {
 namespace {
 
-constexpr size_t kLargestFile = size_t{1} << 31U;  // Bytes; 100,000 directions have a fourth of it.
-constexpr int kMostSteps = 722;                    // Of half a turn, and rounding.
+constexpr int kMostSteps = 722;  // Of half a turn, and rounding.
 
 void AppendText(const char* name, const std::string& lines, std::string* header) {
   *header += name;
@@ -123,46 +114,6 @@ std::optional<RowTrials> ReadRow(Numbers* numbers, int num_cells) {
   return trials;
 }
 
-// Number of the line, from 1, that a position is in.
-std::ptrdiff_t LineAt(std::string_view text, size_t position) {
-  return 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n');
-}
-
-std::string LineAround(std::string_view text, size_t position) {
-  constexpr size_t kLongest = 80;
-  const size_t before = position == 0 ? std::string_view::npos : text.rfind('\n', position - 1);
-  const size_t begin = before == std::string_view::npos ? 0 : before + 1;
-  return std::string(text.substr(begin, std::min(kLongest, text.find('\n', begin) - begin)));
-}
-
-Error SystemError(const std::filesystem::path& file, const char* what) {
-  return {ErrorCode::kIo, Format("%s can't be %s: %s", file.c_str(), what, std::strerror(errno))};
-}
-
-Result<std::string> ReadAll(int descriptor, const std::filesystem::path& file) {
-  struct stat status {};
-  if (::fstat(descriptor, &status) != 0) return SystemError(file, "read");
-  if (!S_ISREG(status.st_mode) || static_cast<size_t>(status.st_size) > kLargestFile) {
-    return Error{ErrorCode::kInvalidArgument,
-                 Format("%s has %jd bytes, expected a regular file of at most %zu",
-                        file.c_str(),
-                        static_cast<intmax_t>(status.st_size),
-                        kLargestFile)};
-  }
-  std::string text(static_cast<size_t>(status.st_size), '\0');
-  size_t done = 0;
-  while (done < text.size()) {
-    const ssize_t count =
-        ::pread(descriptor, text.data() + done, text.size() - done, static_cast<off_t>(done));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return SystemError(file, "read");
-    if (count == 0) break;
-    done += static_cast<size_t>(count);
-  }
-  text.resize(done);
-  return text;
-}
-
 }  // namespace
 
 std::string DirectionLine(int32_t direction, const DirectionTrials& trials) {
@@ -183,51 +134,34 @@ std::string RowLine(int32_t ordinal, const RowTrials& trials) {
 }
 
 Result<WorkFile> WorkFile::Open(const std::filesystem::path& file, const ContingencyKey& key) {
-  const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (descriptor < 0) return SystemError(file, "opened");
-  WorkFile work(file, key, descriptor);
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    return Error{ErrorCode::kUnavailable,
-                 Format("%s is in use by another run, expected to have it alone", file.c_str())};
-  }
+  Result<GrowingFile> opened = GrowingFile::Open(file);
+  if (!opened) return opened.error();
+  WorkFile work(std::move(opened).value(), key);
   if (Result<void> loaded = work.Load(); !loaded) return loaded.error();
   return work;
 }
 
-WorkFile::WorkFile(std::filesystem::path file, const ContingencyKey& key, int descriptor)
-    : file_(std::move(file)), descriptor_(descriptor) {
+WorkFile::WorkFile(GrowingFile file, const ContingencyKey& key) : file_(std::move(file)) {
   table_.key = key;
   table_.directions.resize(static_cast<size_t>(key.num_directions));
   if (key.rows_k > 0) num_row_cells_ = So3Grid(key.rows_k).num_cells();
 }
 
-WorkFile::WorkFile(WorkFile&& other) noexcept
-    : file_(std::move(other.file_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      num_row_cells_(other.num_row_cells_),
-      size_(other.size_),
-      table_(std::move(other.table_)) {}
-
-WorkFile::~WorkFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
 Result<void> WorkFile::Load() {
-  const Result<std::string> bytes = ReadAll(descriptor_, file_);
+  const Result<std::string> bytes = file_.Read();
   if (!bytes) return bytes.error();
   const std::string_view text = *bytes;
-  size_ = text.size();
   const Result<size_t> header_end = CheckHeader(text);
   if (!header_end) return header_end.error();
   for (size_t position = *header_end; position < text.size();) {
     const size_t end = text.find('\n', position);
     // Only the last line is ever cut short.
-    if (end == std::string_view::npos) return CutTo(position);
+    if (end == std::string_view::npos) return file_.CutTo(position);
     if (!Take(text.substr(position, end - position))) {
       return Error{ErrorCode::kCorrupt,
                    Format("%s, line %td: not the whole record of a direction or row of this table, "
                           "each there once; remove the file to measure anew",
-                          file_.c_str(),
+                          file_.path().c_str(),
                           LineAt(text, position))};
     }
     position = end + 1;
@@ -242,15 +176,15 @@ Result<size_t> WorkFile::CheckHeader(std::string_view text) {
   const auto [differ, unused] =
       std::mismatch(text.begin(), text.end(), header.begin(), header.end());
   if (differ == text.end()) {
-    if (Result<void> cut = CutTo(0); !cut) return cut.error();
-    if (Result<void> written = Write(header); !written) return written.error();
+    if (Result<void> cut = file_.CutTo(0); !cut) return cut.error();
+    if (Result<void> written = file_.Append(header); !written) return written.error();
     return header.size();
   }
   const auto position = static_cast<size_t>(differ - text.begin());
   return Error{ErrorCode::kInvalidArgument,
                Format("%s, line %td: trials of another table: \"%s\", expected \"%s\"; "
                       "remove the file to measure anew",
-                      file_.c_str(),
+                      file_.path().c_str(),
                       LineAt(text, position),
                       LineAround(text, position).c_str(),
                       LineAround(header, position).c_str())};
@@ -286,7 +220,8 @@ Result<void> WorkFile::AppendDirection(int32_t direction, DirectionTrials trials
                 Format("direction %d", direction));
   DirectionTrials& place = table_.directions[static_cast<size_t>(direction)];
   VANTAGE_CHECK(place.trials == 0 && trials.trials > 0, Format("direction %d", direction));
-  if (Result<void> written = Write(DirectionLine(direction, trials)); !written) return written;
+  if (Result<void> written = file_.Append(DirectionLine(direction, trials)); !written)
+    return written;
   place = std::move(trials);
   return {};
 }
@@ -295,35 +230,8 @@ Result<void> WorkFile::AppendRow(int32_t ordinal, RowTrials trials) {
   VANTAGE_CHECK(ordinal >= 0 && ordinal < num_row_cells_ && !table_.rows.contains(ordinal) &&
                     trials.trials > 0,
                 Format("row %d", ordinal));
-  if (Result<void> written = Write(RowLine(ordinal, trials)); !written) return written;
+  if (Result<void> written = file_.Append(RowLine(ordinal, trials)); !written) return written;
   table_.rows.emplace(ordinal, std::move(trials));
-  return {};
-}
-
-Result<void> WorkFile::Remove() {
-  if (::unlink(file_.c_str()) != 0) return SystemError(file_, "removed");
-  return {};
-}
-
-Result<void> WorkFile::Write(std::string_view text) {
-  const size_t before = size_;
-  for (size_t done = 0; done < text.size();) {
-    const ssize_t count = ::write(descriptor_, text.data() + done, text.size() - done);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      const Error error = SystemError(file_, "written");
-      static_cast<void>(CutTo(before).ok());  // What stays is cut off by the next Open.
-      return error;
-    }
-    done += static_cast<size_t>(count);
-  }
-  size_ = before + text.size();
-  return {};
-}
-
-Result<void> WorkFile::CutTo(size_t size) {
-  if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) return SystemError(file_, "cut");
-  size_ = size;
   return {};
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/result.h"
 #include "fusion/confusion/contingency_table.h"
+#include "tools/support/growing_file.h"
 
 namespace vantage {
 
@@ -20,9 +21,6 @@ class WorkFile {
   /// Errors: the system refuses, another process has the file open, it is of another key (names the
   /// line that differs), or is damaged elsewhere; the message names file and line.
   static Result<WorkFile> Open(const std::filesystem::path& file, const ContingencyKey& key);
-  ~WorkFile();
-  WorkFile(WorkFile&& other) noexcept;
-  WorkFile& operator=(WorkFile&&) = delete;
 
   /// All that the file holds.
   [[nodiscard]] const ContingencyTable& table() const { return table_; }
@@ -32,20 +30,16 @@ class WorkFile {
   Result<void> AppendRow(int32_t ordinal, RowTrials trials);
 
   /// Removes the file: all of it is elsewhere now.
-  Result<void> Remove();
+  Result<void> Remove() { return file_.Remove(); }
 
  private:
-  WorkFile(std::filesystem::path file, const ContingencyKey& key, int descriptor);
+  WorkFile(GrowingFile file, const ContingencyKey& key);
   Result<void> Load();
   Result<size_t> CheckHeader(std::string_view text);
   bool Take(std::string_view line);
-  Result<void> Write(std::string_view text);
-  Result<void> CutTo(size_t size);
 
-  std::filesystem::path file_;
-  int descriptor_;
+  GrowingFile file_;
   int num_row_cells_ = 0;
-  size_t size_ = 0;  // Bytes of the file.
   ContingencyTable table_;
 };
 

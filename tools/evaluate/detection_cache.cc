@@ -1,13 +1,6 @@
 #include "tools/evaluate/detection_cache.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -19,50 +12,8 @@
 namespace vantage {
 namespace {
 
-constexpr size_t kLargestFile = size_t{1} << 31U;  // Bytes; 100,000 sequences have a tenth of it.
-
 std::string Header(const DetectionFileContent& content) {
   return "vantage detections\n" + content.key + "sequences\n";
-}
-
-// Number of the line, from 1, that a position is in.
-std::ptrdiff_t LineAt(std::string_view text, size_t position) {
-  return 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n');
-}
-
-std::string LineAround(std::string_view text, size_t position) {
-  constexpr size_t kLongest = 80;
-  const size_t before = text.substr(0, position).rfind('\n');
-  const size_t begin = before == std::string_view::npos ? 0 : before + 1;
-  return std::string(text.substr(begin, std::min(kLongest, text.find('\n', begin) - begin)));
-}
-
-Error SystemError(const std::filesystem::path& file, const char* what) {
-  return {ErrorCode::kIo, Format("%s can't be %s: %s", file.c_str(), what, std::strerror(errno))};
-}
-
-Result<std::string> ReadAll(int descriptor, const std::filesystem::path& file) {
-  struct stat status {};
-  if (::fstat(descriptor, &status) != 0) return SystemError(file, "read");
-  if (!S_ISREG(status.st_mode) || static_cast<size_t>(status.st_size) > kLargestFile) {
-    return Error{ErrorCode::kInvalidArgument,
-                 Format("%s has %jd bytes, expected a regular file of at most %zu",
-                        file.c_str(),
-                        static_cast<intmax_t>(status.st_size),
-                        kLargestFile)};
-  }
-  std::string text(static_cast<size_t>(status.st_size), '\0');
-  size_t done = 0;
-  while (done < text.size()) {
-    const ssize_t count =
-        ::pread(descriptor, text.data() + done, text.size() - done, static_cast<off_t>(done));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return SystemError(file, "read");
-    if (count == 0) break;
-    done += static_cast<size_t>(count);
-  }
-  text.resize(done);
-  return text;
 }
 
 }  // namespace
@@ -80,40 +31,20 @@ Result<DetectionCache> DetectionCache::Open(const std::filesystem::path& folder,
     return Error{ErrorCode::kIo,
                  Format("%s can't be made: %s", folder.c_str(), error.message().c_str())};
   }
-  const std::filesystem::path file = folder / content.FileName();
-  const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (descriptor < 0) return SystemError(file, "opened");
-  DetectionCache cache(file, content, descriptor);
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    return Error{ErrorCode::kUnavailable,
-                 Format("%s is in use by another run, expected to have it alone", file.c_str())};
-  }
+  Result<GrowingFile> opened = GrowingFile::Open(folder / content.FileName());
+  if (!opened) return opened.error();
+  DetectionCache cache(std::move(opened).value(), content);
   if (Result<void> loaded = cache.Load(); !loaded) return loaded.error();
   return cache;
 }
 
-DetectionCache::DetectionCache(std::filesystem::path file,
-                               DetectionFileContent content,
-                               int descriptor)
-    : file_(std::move(file)), content_(std::move(content)), descriptor_(descriptor) {}
-
-DetectionCache::DetectionCache(DetectionCache&& other) noexcept
-    : file_(std::move(other.file_)),
-      content_(std::move(other.content_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      size_(other.size_),
-      sequences_(std::move(other.sequences_)),
-      note_(std::move(other.note_)) {}
-
-DetectionCache::~DetectionCache() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
+DetectionCache::DetectionCache(GrowingFile file, DetectionFileContent content)
+    : file_(std::move(file)), content_(std::move(content)) {}
 
 Result<void> DetectionCache::Load() {
-  const Result<std::string> bytes = ReadAll(descriptor_, file_);
+  const Result<std::string> bytes = file_.Read();
   if (!bytes) return bytes.error();
   const std::string_view text = *bytes;
-  size_ = text.size();
   const Result<size_t> header_end = CheckHeader(text);
   if (!header_end) return header_end.error();
   for (size_t position = *header_end; position < text.size();) {
@@ -123,14 +54,14 @@ Result<void> DetectionCache::Load() {
       if (Result<void> taken = Take(text, position); !taken) return taken;
     } else if (is_last) {
       note_ = Format("%s, line %td: the last record is not whole and is made again",
-                     file_.c_str(),
+                     file_.path().c_str(),
                      LineAt(text, position));
-      return CutTo(position);
+      return file_.CutTo(position);
     } else {
       return Error{ErrorCode::kCorrupt,
                    Format("%s, line %td: the record from here does not agree with its checksum, "
                           "expected it whole; remove the file to make it again",
-                          file_.c_str(),
+                          file_.path().c_str(),
                           LineAt(text, position))};
     }
     position += first.record.size();
@@ -145,15 +76,16 @@ Result<size_t> DetectionCache::CheckHeader(std::string_view text) {
   const auto [differ, unused] =
       std::mismatch(text.begin(), text.end(), header.begin(), header.end());
   if (differ == text.end()) {
-    if (!text.empty()) note_ = Format("%s: its head is not whole and is made again", file_.c_str());
-    if (Result<void> cut = CutTo(0); !cut) return cut.error();
-    if (Result<void> written = Write(header); !written) return written.error();
+    if (!text.empty())
+      note_ = Format("%s: its head is not whole and is made again", file_.path().c_str());
+    if (Result<void> cut = file_.CutTo(0); !cut) return cut.error();
+    if (Result<void> written = file_.Append(header); !written) return written.error();
     return header.size();
   }
   const auto position = static_cast<size_t>(differ - text.begin());
   return Error{ErrorCode::kCorrupt,
                Format("%s, line %td: \"%s\", expected \"%s\"; remove the file to make it again",
-                      file_.c_str(),
+                      file_.path().c_str(),
                       LineAt(text, position),
                       LineAround(text, position).c_str(),
                       LineAround(header, position).c_str())};
@@ -175,7 +107,7 @@ Result<void> DetectionCache::Take(std::string_view text, size_t position) {
   if (!wrong.empty()) {
     return Error{ErrorCode::kCorrupt,
                  Format("%s, line %td %s; remove the file to make it again",
-                        file_.c_str(),
+                        file_.path().c_str(),
                         LineAt(text, position) + static_cast<std::ptrdiff_t>(line),
                         wrong.c_str())};
   }
@@ -193,30 +125,8 @@ Result<void> DetectionCache::Append(DetectionSequence sequence) {
                 Format("sequence %d with %zu views", sequence.index, sequence.views.size()));
   std::string text;
   AppendSequenceText(sequence, &text);
-  if (Result<void> written = Write(text); !written) return written;
+  if (Result<void> written = file_.Append(text); !written) return written;
   sequences_.push_back(std::move(sequence));
-  return {};
-}
-
-Result<void> DetectionCache::Write(std::string_view text) {
-  const size_t before = size_;
-  for (size_t done = 0; done < text.size();) {
-    const ssize_t count = ::write(descriptor_, text.data() + done, text.size() - done);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      const Error error = SystemError(file_, "written");
-      static_cast<void>(CutTo(before).ok());  // What stays is cut off by the next Open.
-      return error;
-    }
-    done += static_cast<size_t>(count);
-  }
-  size_ = before + text.size();
-  return {};
-}
-
-Result<void> DetectionCache::CutTo(size_t size) {
-  if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) return SystemError(file_, "cut");
-  size_ = size;
   return {};
 }
 

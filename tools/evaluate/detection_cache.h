@@ -8,6 +8,7 @@
 #include "common/result.h"
 #include "tools/evaluate/detection_sequence.h"
 #include "tools/evaluate/simulated_sequence.h"
+#include "tools/support/growing_file.h"
 
 namespace vantage {
 
@@ -33,9 +34,6 @@ class DetectionCache {
   /// is damaged elsewhere; the message names file and line.
   static Result<DetectionCache> Open(const std::filesystem::path& folder,
                                      const DetectionFileContent& content);
-  ~DetectionCache();
-  DetectionCache(DetectionCache&& other) noexcept;
-  DetectionCache& operator=(DetectionCache&&) = delete;
 
   [[nodiscard]] const std::vector<DetectionSequence>& sequences() const { return sequences_; }
   /// A sentence on what was cut off; empty when nothing was.
@@ -45,17 +43,13 @@ class DetectionCache {
   Result<void> Append(DetectionSequence sequence);
 
  private:
-  DetectionCache(std::filesystem::path file, DetectionFileContent content, int descriptor);
+  DetectionCache(GrowingFile file, DetectionFileContent content);
   Result<void> Load();
   Result<size_t> CheckHeader(std::string_view text);
   Result<void> Take(std::string_view text, size_t position);
-  Result<void> Write(std::string_view text);
-  Result<void> CutTo(size_t size);
 
-  std::filesystem::path file_;
+  GrowingFile file_;
   DetectionFileContent content_;
-  int descriptor_;
-  size_t size_ = 0;  // Bytes of the file.
   std::vector<DetectionSequence> sequences_;
   std::string note_;
 };
