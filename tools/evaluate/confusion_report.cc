@@ -204,7 +204,10 @@ std::string ReweightingHtml(const ReweightingTable& table) {
          TableCard(rows,
                    Format("Final error after a circle of 30 views in degrees modulo symmetry: "
                           "median and quartiles of %zu circles. Bold: best; italic: second. AW: "
-                          "accuracy weights from the contingency table by direction.",
+                          "accuracy weights from the contingency table by direction, summed on "
+                          "cells (eq. 10). Table, kernels: the filter that knows the table, which "
+                          "adds a detection at every truth that it may stand for and takes the "
+                          "peak that the belief, the product over the views, finds likeliest.",
                           circles));
 }
 
@@ -232,8 +235,10 @@ std::string PeaksTable(const ConfusionResults& results) {
                  HtmlCell(others.empty() ? "–" : others)});
   }
   return TableCard(rows,
-                   "Peaks that are at least 0.3 of the highest, before (CW) and after (AW) the "
-                   "contingency table is used; the others by their angle to the heaviest.");
+                   "Peaks that are at least 0.3 of the highest by confidence weights (CW) and by "
+                   "accuracy weights (AW, eq. 10), and those that are at least 0.3 as probable as "
+                   "the best by the belief that the contingency table leaves (table); the others "
+                   "by their angle to the heaviest.");
 }
 
 Result<std::string> Pictures(const ConfusionResults& results, const std::string& group) {
@@ -332,7 +337,7 @@ Result<std::string> ConfusionPage(const ConfusionResults& results, const ReportF
                  pictures["fig6"]) +
          Section("table3", "Reweighting by the table (Table 3)", "", reweighting) +
          Section("fig16",
-                 "Peaks by confidence and by accuracy weights (Fig. 16, 17)",
+                 "Peaks without and with the table (Fig. 16, 17)",
                  "Histograms on a circle of views, relative to the truth, which is in the middle "
                  "of the left half.",
                  PeaksTable(results) + pictures["fig16"] + pictures["fig17"]) +

@@ -45,11 +45,11 @@ struct ReweightingTable {
 /// The histogram of one object by one reweighting after some views (Fig. 16, 17).
 struct PeakFacts {
   std::string model_id;
-  std::string method;  ///< "CW", "AW"
+  std::string method;  ///< "CW", "AW" (eq. 10), "table" (belief)
   int views = 0;
-  int num_peaks = 0;               ///< at least w_mode of the highest
+  int num_peaks = 0;               ///< at least w_mode of the highest, or of the most probable
   double best_deg = 0.0;           ///< error of the heaviest peak modulo symmetry
-  double share_of_best = 0.0;      ///< of the mass in all peaks
+  double share_of_best = 0.0;      ///< of the mass, or probability, in all peaks
   double highest = 0.0;            ///< the heaviest cell's share of the mass
   std::vector<double> others_deg;  ///< angles of the other peaks to the heaviest one
 };

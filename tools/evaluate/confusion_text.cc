@@ -136,7 +136,7 @@ std::string ReweightingText(const ReweightingTable& table) {
   for (size_t object = 0; object < table.model_ids.size(); ++object) {
     text += Format("  %s\n", table.model_ids[object].c_str());
     for (size_t m = 0; m < table.methods.size(); ++m) {
-      text += Format("    %-18s %s\n",
+      text += Format("    %-28s %s\n",
                      table.methods[m].label.c_str(),
                      ErrorsText(table.final_deg[object][m]).c_str());
     }
@@ -178,7 +178,7 @@ std::string ConfusionText(const ConfusionResults& results) {
   text += "\n";
   for (const ReweightingTable& table : results.reweighting) text += ReweightingText(table) + "\n";
   for (const PeakFacts& peaks : results.peaks) {
-    text += Format("%-10s %-3s after %2d views: %d peaks, the heaviest %.2f deg off\n",
+    text += Format("%-10s %-5s after %2d views: %d peaks, the heaviest %.2f deg off\n",
                    peaks.model_id.c_str(),
                    peaks.method.c_str(),
                    peaks.views,
