@@ -161,6 +161,22 @@ printf 'v 0 0 nan\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf
 refuses "mesh that is not finite" 'nan.obj' "$bin/vantage-model" build "$out/nan.obj" --unit m --output "$out/z"
 absent "model of a bad mesh" "$out/z"
 
+refuses "no table" 'none.bin: no such file' "$bin/vantage-contingency" show "$out/none.bin"
+head -c 5000 /dev/urandom >"$out/noise.bin"
+refuses "table that is none" 'noise.bin is not a contingency table' "$bin/vantage-contingency" show "$out/noise.bin"
+refuses "merge with a table that is none" 'noise.bin' \
+  "$bin/vantage-contingency" merge "$out/merged.bin" "$out/noise.bin"
+absent "merge of noise" "$out/merged.bin"
+refuses "trials of no model" 'no model folder' \
+  "$bin/vantage-contingency" "$out/nowhere" --output "$out/table.bin"
+refuses "estimator that is none" 'icp' \
+  "$bin/vantage-contingency" "$root/models/mug" --estimator icp --output "$out/table.bin"
+refuses "shard that is none" '--shard 3/2, expected I/N' \
+  "$bin/vantage-contingency" "$root/models/mug" --shard 3/2 --output "$out/table.bin"
+absent "trials of nothing" "$out/table.bin"
+refuses "symmetry of a table that is none" 'noise.bin' \
+  "$bin/vantage-model" symmetry "$root/models/mug" --table "$out/noise.bin"
+
 # No device is no error: the driver says so and goes on searching.
 write_config "$out/state"
 start_process openni2 env -u VANTAGE_SIM_CONFIG LD_LIBRARY_PATH="$build/openni2" \

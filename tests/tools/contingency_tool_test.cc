@@ -134,6 +134,11 @@ TEST_F(ContingencyTool, BadInputIsOneSentenceAndExitCodeTwo) {
   ExpectRefused("ball", "ball is a sphere");
   ExpectRefused("hub", "expected --output FILE");
   ExpectRefused("hub --output x.bin --shard 3/2", "--shard 3/2");
+  ExpectRefused("hub --output x.bin --shard 1/0", "--shard 1/0");
+  ExpectRefused("hub --output x.bin --k 0", "not in range 2 to 128");
+  ExpectRefused("hub --output x.bin --trials 0", "not in range 1 to 1000000");
+  ExpectRefused("hub --output x.bin --rows 5-2", "\"5-2\", expected numbers or ranges");
+  ExpectRefused("hub --output /proc/x.bin", "/proc/x.bin.trials can't be opened");
   ExpectRefused("hub --output x.bin --estimator icp", "icp");
   ExpectRefused("hub --output x.bin --threads 0", "--threads");
   ExpectRefused("hub --output x.bin --rows 8480", "below 8480");
