@@ -31,9 +31,9 @@ std::vector<std::string> AmbiguousObjects() {
   return names;
 }
 const std::vector<std::string> kReweighted = {"filter", "shampoo", "turtle"};  // Table 3.
-const std::vector<std::string> kWithPeaks = {"filter", "hub"};                 // Fig. 16, 17.
-const std::vector<std::string> kStepped = {"filter", "turtle"};                // Fig. 18.
-constexpr const char* kDrawn = "filter";                                       // Fig. 5, 6.
+const std::vector<std::string> kWithPeaks = {"cross", "plug"};  // Fig. 16, 17: four and two sides.
+const std::vector<std::string> kStepped = {"cross", "turtle"};  // Fig. 18.
+constexpr const char* kDrawn = "cross";                         // Fig. 5, 6.
 constexpr int kCircleViews = 30;
 constexpr int kPaperK = 8;
 constexpr int kFineK = 32;
