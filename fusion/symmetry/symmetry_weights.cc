@@ -24,7 +24,8 @@ Result<std::vector<SymmetryWeight>> TableSymmetryWeights(const ContingencyTable&
                         table.key.rows_k <= So3Grid::kLargest && !table.rows.empty();
   if (has_rows) {
     const So3Grid rows(table.key.rows_k);
-    const std::vector<So3Grid::Cell> cells = rows.ValidCells();
+    std::vector<So3Grid::Cell> cells;  // By ordinal.
+    rows.CellsAt(0, rows.num_cells(), &cells);
     const auto orientation = [&](int32_t ordinal) {
       return rows.Representative(cells[static_cast<size_t>(ordinal)]);
     };

@@ -31,8 +31,9 @@ std::vector<std::string> AmbiguousObjects() {
   return names;
 }
 const std::vector<std::string> kReweighted = {"filter", "shampoo", "turtle"};  // Table 3.
-const std::vector<std::string> kWithPeaks = {"cross", "plug"};  // Fig. 16, 17: four and two sides.
-const std::vector<std::string> kStepped = {"cross", "turtle"};  // Fig. 18.
+const std::vector<std::string> kWithPeaks = {"valve",
+                                             "brick"};          // Fig. 16, 17: three and two sides.
+const std::vector<std::string> kStepped = {"valve", "turtle"};  // Fig. 18.
 constexpr const char* kDrawn = "cross";                         // Fig. 5, 6.
 constexpr int kCircleViews = 30;
 constexpr int kPaperK = 8;
@@ -162,17 +163,19 @@ void DrawTables(const std::vector<Subject>& subjects, ConfusionResults* results)
     const So3Grid grid(kPaperK);
     results->pictures.push_back({"fig5-shares",
                                  "fig5",
-                                 "filter: by the square root of the share",
+                                 std::string(kDrawn) + ": by the square root of the share",
                                  DrawConfusionMatrix(table, grid, {.is_marking_any = false})});
     results->pictures.push_back({"fig5-any",
                                  "fig5",
-                                 "filter: every entry other than 0 at the maximum",
+                                 std::string(kDrawn) + ": every entry other than 0 at the maximum",
                                  DrawConfusionMatrix(table, grid, {.is_marking_any = true})});
-    results->pictures.push_back(
-        {"fig6-all", "fig6", "filter: all weights", DrawSymmetryWeights(table, 0.0)});
+    results->pictures.push_back({"fig6-all",
+                                 "fig6",
+                                 std::string(kDrawn) + ": all weights",
+                                 DrawSymmetryWeights(table, 0.0)});
     results->pictures.push_back({"fig6-others",
                                  "fig6",
-                                 "filter: without those up to 20 degrees",
+                                 std::string(kDrawn) + ": without those up to 20 degrees",
                                  DrawSymmetryWeights(table, kAroundIdentity)});
   }
 }

@@ -80,10 +80,10 @@ RgbImage DrawConfusionMatrix(const ContingencyTable& table,
                                                 : DirectionGrid::kFewest);
   const std::vector<So3Grid::Cell> cells = grid.ValidCells();
   std::vector<double> row(cells.size(), 0.0);
-  for (size_t truth = 0; truth < cells.size() && has_directions; ++truth) {
-    const auto ordinal = static_cast<int32_t>(truth);
-    if (table.rows.contains(ordinal)) continue;
-    const Eigen::Quaterniond q_truth = grid.Representative(cells[truth]);
+  for (const So3Grid::Cell cell : cells) {
+    const int32_t ordinal = grid.Ordinal(cell);
+    if (!has_directions || table.rows.contains(ordinal)) continue;
+    const Eigen::Quaterniond q_truth = grid.Representative(cell);
     const int direction = directions.CellOf(ViewingDirection(q_truth));
     std::vector<int32_t> touched;
     for (const auto& [difference, share] : by_direction[static_cast<size_t>(direction)]) {

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "common/rng.h"
+#include "common/so3.h"
 #include "fusion/confusion/direction_grid.h"
+#include "fusion/so3_grid.h"
 #include "fusion/symmetry/symmetry_weights.h"
 
 namespace vantage {
@@ -156,7 +158,8 @@ TEST(SymmetryWeights, OfATableAreSharesAndSumToOne) {
 TEST(SymmetryWeights, OfRowsAreTheDifferencesOfTheirOrientations) {
   // Eq. 12 by hand: one row, detected as its own cell and as another.
   const So3Grid grid(4);
-  const std::vector<So3Grid::Cell> cells = grid.ValidCells();
+  std::vector<So3Grid::Cell> cells;  // By ordinal.
+  grid.CellsAt(0, grid.num_cells(), &cells);
   ContingencyTable table;
   table.key.rows_k = 4;
   table.rows[100] = {4, 0, {{100, 3}, {700, 1}}};
@@ -170,6 +173,33 @@ TEST(SymmetryWeights, OfRowsAreTheDifferencesOfTheirOrientations) {
     EXPECT_TRUE(cell == none || cell == other);
     EXPECT_DOUBLE_EQ(weight, cell == none ? 0.75 : 0.25);
   }
+}
+
+TEST(SymmetryWeights, OfRowsOfAHalfTurnAreAtTheHalfTurn) {
+  const So3Grid grid(8);
+  const Eigen::Quaterniond half_turn = ExpSo3(std::numbers::pi * Eigen::Vector3d::UnitZ());
+  ContingencyTable table;
+  table.key.rows_k = grid.k();
+  Rng rng(5);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Quaterniond truth = rng.Rotation();
+    RowTrials row;
+    row.trials = 10;
+    row.detected = {{grid.Ordinal(grid.CellOf(truth * half_turn)), 10}};
+    table.rows[grid.Ordinal(grid.CellOf(truth))] = row;
+  }
+  const Result<std::vector<SymmetryWeight>> weights = TableSymmetryWeights(table, grid);
+  ASSERT_TRUE(weights.ok()) << weights.error().message;
+  double near = 0.0;
+  double sum = 0.0;
+  for (const SymmetryWeight& one : *weights) {
+    sum += one.weight;
+    // Two cells' errors.
+    if (GeodesicAngle(grid.Representative(one.cell), half_turn) < 25.0 * kDegree)
+      near += one.weight;
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-9);
+  EXPECT_GT(near, 0.95);
 }
 
 }  // namespace
