@@ -293,6 +293,18 @@ TEST_F(FusionNodeTest, ADuplicateChangesNothing) {
   EXPECT_EQ(bus.published().size(), count);
 }
 
+TEST_F(FusionNodeTest, ARefusedTableIsToldAsLongAsItRuns) {
+  TestBus bus;
+  FusionConfig config = MakeConfig();
+  config.refused_tables["mug"] = "mug.bin is of another estimator";
+  const std::unique_ptr<Node> node = MustMake(bus, config);
+  World world(bus);
+  world.Frame();
+  EXPECT_GT(bus.Count("OBJECTS"), 0U);
+  EXPECT_NE(bus.state().find("mug.bin is of another estimator"), std::string::npos) << bus.state();
+  EXPECT_NE(bus.state().find("by confidence alone"), std::string::npos) << bus.state();
+}
+
 TEST_F(FusionNodeTest, ABadSetIsDroppedAndReported) {
   TestBus bus;
   const std::unique_ptr<Node> node = MustMake(bus, MakeConfig());
