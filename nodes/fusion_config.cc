@@ -9,6 +9,7 @@
 #include "nodes/models_config.h"
 #include "nodes/planner_config.h"
 #include "nodes/process.h"
+#include "perception/model/enclosing_ball.h"
 #include "perception/model/object_model.h"
 #include "perception/model/symmetry_text.h"
 #include "perception/verification/mesh_decimation.h"
@@ -136,15 +137,6 @@ void ReadFusion(ConfigReader::Table table, FusionConfig* config) {
   table.Read("frames_per_view", &config->views.frames_per_view, 1, 1000);
   table.ReadPath("state_file", &config->state_file);
   config->views.viewpoint = viewpoint;
-}
-
-// Corners of the ball about the center that holds the mesh.
-double RadiusAboutCenter(const ObjectModel& model) {
-  double radius = 0.0;
-  for (const Eigen::Vector3f& vertex : model.mesh.vertices) {
-    radius = std::max(radius, (vertex.cast<double>() - model.center).norm());
-  }
-  return radius;
 }
 
 std::string CandidatesText(const ViewCandidateParameters& candidates) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/format.h"
+#include "perception/model/enclosing_ball.h"
 #include "perception/ppf/self_alignment.h"
 #include "perception/verification/mesh_decimation.h"
 
@@ -23,14 +24,6 @@ NearestGrid MakeGrid(const ObjectModel& model) {
   return NearestGrid(SampleSurface(model.mesh, kGridPoints, rng),
                      kGridReach * model.diameter,
                      kGridCell * model.diameter);
-}
-
-double RadiusAboutCenter(const ObjectModel& model) {
-  double radius = 0.0;
-  for (const Eigen::Vector3f& vertex : model.mesh.vertices) {
-    radius = std::max(radius, (vertex.cast<double>() - model.center).norm());
-  }
-  return radius;
 }
 
 }  // namespace

@@ -4,33 +4,17 @@
 #include <cmath>
 
 #include "drivers/sim/sensor_model.h"
+#include "perception/model/enclosing_ball.h"
+#include "tools/support/fitting_distance.h"
 
 namespace vantage {
 namespace {
 
-constexpr double kClearance = 0.05;     // m, kept from the sensor's nearest depth.
-constexpr double kImageMargin = 1.05;   // Of the object's ball, in the image.
 constexpr double kLargestGap = 0.15;    // m, between the object's ball and the wall.
 constexpr double kSmallestGap = 0.05;   // m
 constexpr double kHeightMargin = 0.02;  // m, below what the segmentation takes for an object.
 constexpr double kWallSize = 8.0;       // m
 constexpr double kWindowMargin = 20.0;  // px, around the object's ball
-
-double RadiusAboutCenter(const ObjectModel& model) {
-  double radius = 0.0;
-  for (const Eigen::Vector3f& vertex : model.mesh.vertices) {
-    radius = std::max(radius, (vertex.cast<double>() - model.center).norm());
-  }
-  return radius;
-}
-
-// Distance from which a ball is wholly in the image and in range, m.
-double FittingDistance(double radius, const CameraModel& camera, double nearest) {
-  const double half_width = std::min(camera.cx, camera.width - 1 - camera.cx) / camera.fx;
-  const double half_height = std::min(camera.cy, camera.height - 1 - camera.cy) / camera.fy;
-  const double half_angle = std::atan(std::min(half_width, half_height));
-  return std::max(nearest + kClearance + radius, kImageMargin * radius / std::sin(half_angle));
-}
 
 const SegmentationParameters& SegmentationOf(const TrialParameters& parameters) {
   return parameters.estimator == "ppf" ? parameters.ppf.estimation.segmentation

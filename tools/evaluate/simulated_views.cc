@@ -6,30 +6,13 @@
 #include <numbers>
 
 #include "common/format.h"
+#include "perception/model/enclosing_ball.h"
+#include "tools/support/fitting_distance.h"
 
 namespace vantage {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kClearance = 0.05;    // m, kept from the sensor's nearest depth.
-constexpr double kImageMargin = 1.05;  // Of the object's ball, in the image.
-
-// Radius of the ball about the center that holds the mesh, m.
-double RadiusAboutCenter(const ObjectModel& model) {
-  double radius = 0.0;
-  for (const Eigen::Vector3f& vertex : model.mesh.vertices) {
-    radius = std::max(radius, (vertex.cast<double>() - model.center).norm());
-  }
-  return radius;
-}
-
-// Distance from which a ball is wholly in the image and in range, m.
-double FittingDistance(double radius, const CameraModel& camera, double nearest) {
-  const double half_width = std::min(camera.cx, camera.width - 1 - camera.cx) / camera.fx;
-  const double half_height = std::min(camera.cy, camera.height - 1 - camera.cy) / camera.fy;
-  const double half_angle = std::atan(std::min(half_width, half_height));
-  return std::max(nearest + kClearance + radius, kImageMargin * radius / std::sin(half_angle));
-}
 
 // The object turned so, on the table, its center above the origin.
 Pose PlaceOnTable(const ObjectModel& model, const Eigen::Quaterniond& turn) {
