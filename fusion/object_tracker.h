@@ -46,7 +46,7 @@ struct ObjectTrackerParameters {
   Result<void> Validate() const;
 };
 
-/// What is known of one object; object_estimate_v2_t tells the meaning of each.
+/// What is known of one object; object_estimate_v3_t tells the meaning of each.
 struct ObjectEstimate {
   enum class State { kTentative, kConfirmed, kLost };
 

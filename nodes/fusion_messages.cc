@@ -24,17 +24,17 @@ void CopyRowMajor(const Eigen::Matrix3d& matrix, double* values) {
 int8_t StateToMessage(ObjectEstimate::State state) {
   switch (state) {
     case ObjectEstimate::State::kConfirmed:
-      return object_estimate_v2_t::CONFIRMED;
+      return object_estimate_v3_t::CONFIRMED;
     case ObjectEstimate::State::kLost:
-      return object_estimate_v2_t::LOST;
+      return object_estimate_v3_t::LOST;
     case ObjectEstimate::State::kTentative:
       break;
   }
-  return object_estimate_v2_t::TENTATIVE;
+  return object_estimate_v3_t::TENTATIVE;
 }
 
-object_estimate_v2_t ObjectToMessage(const ObjectEstimate& object) {
-  object_estimate_v2_t message{};
+object_estimate_v3_t ObjectToMessage(const ObjectEstimate& object) {
+  object_estimate_v3_t message{};
   message.instance_id = object.instance_id;
   message.model_id = object.model_id;
   message.state = StateToMessage(object.state);
@@ -67,8 +67,8 @@ object_estimate_v2_t ObjectToMessage(const ObjectEstimate& object) {
 
 }  // namespace
 
-object_estimates_v2_t ObjectsToMessage(std::span<const ObjectEstimate> objects) {
-  object_estimates_v2_t message{};
+object_estimates_v3_t ObjectsToMessage(std::span<const ObjectEstimate> objects) {
+  object_estimates_v3_t message{};
   for (const ObjectEstimate& object : objects) message.objects.push_back(ObjectToMessage(object));
   message.num_objects = static_cast<int32_t>(message.objects.size());
   return message;

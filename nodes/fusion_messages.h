@@ -6,13 +6,13 @@
 #include "fusion/object_tracker.h"
 #include "planner/next_best_view.h"
 #include "vantage/next_view_t.hpp"
-#include "vantage/object_estimates_v2_t.hpp"
+#include "vantage/object_estimates_v3_t.hpp"
 #include "vantage/orientation_histogram_t.hpp"
 
 namespace vantage {
 
 /// Objects as a message; utime, seq, num_viewpoints and finished are the caller's to fill in.
-object_estimates_v2_t ObjectsToMessage(std::span<const ObjectEstimate> objects);
+object_estimates_v3_t ObjectsToMessage(std::span<const ObjectEstimate> objects);
 
 /// The histogram of one object, its heaviest cells if there are more than kMostCells, ascending;
 /// utime and seq are the caller's to fill in.

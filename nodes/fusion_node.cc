@@ -164,7 +164,7 @@ class FusionNode : public Node {
 
   void PublishObjects(const std::vector<ObjectEstimate>& objects) {
     restored_ = false;
-    object_estimates_v2_t message = ObjectsToMessage(objects);
+    object_estimates_v3_t message = ObjectsToMessage(objects);
     message.utime = utime_;
     message.seq = objects_seq_++;
     message.num_viewpoints = static_cast<int32_t>(tracker_.state().viewpoints.size());

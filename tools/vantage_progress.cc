@@ -25,7 +25,7 @@
 #include "vantage/camera_status_t.hpp"
 #include "vantage/detections_v2_t.hpp"
 #include "vantage/next_view_t.hpp"
-#include "vantage/object_estimates_v2_t.hpp"
+#include "vantage/object_estimates_v3_t.hpp"
 #include "vantage/process_status_t.hpp"
 
 namespace vantage {
@@ -75,10 +75,10 @@ class Progress {
   void OnCamera(const camera_status_t& message);
   void OnArm(const arm_status_t& message);
   void OnNextView(const next_view_t& message);
-  void OnObjects(const object_estimates_v2_t& message);
+  void OnObjects(const object_estimates_v3_t& message);
   void OnDetections(const detections_v2_t& /*message*/) { ++num_detections_; }
   void Say(const std::string& line) const;
-  [[nodiscard]] std::string DescribeObject(const object_estimate_v2_t& object,
+  [[nodiscard]] std::string DescribeObject(const object_estimate_v3_t& object,
                                            const std::map<size_t, int32_t>& matches) const;
 
   ReportSetup setup_;
@@ -209,7 +209,7 @@ void Progress::OnNextView(const next_view_t& message) {
   Say(Format("next view: %s", message.reason.c_str()));
 }
 
-std::string Progress::DescribeObject(const object_estimate_v2_t& object,
+std::string Progress::DescribeObject(const object_estimate_v3_t& object,
                                      const std::map<size_t, int32_t>& matches) const {
   std::string text = object.model_id;
   const std::optional<Pose> pose = EstimatedPose(object);
@@ -221,16 +221,16 @@ std::string Progress::DescribeObject(const object_estimate_v2_t& object,
     text += Format(" %.2f deg %.1f mm", error.angle / kDegree, 1e3 * error.distance);
   }
   if (object.last_change >= 0.0) text += Format(" (moved %.2f deg)", object.last_change / kDegree);
-  if (object.state == object_estimate_v2_t::TENTATIVE) text += " (seen once)";
+  if (object.state == object_estimate_v3_t::TENTATIVE) text += " (seen once)";
   return text;
 }
 
-void Progress::OnObjects(const object_estimates_v2_t& message) {
+void Progress::OnObjects(const object_estimates_v3_t& message) {
   if (message.num_viewpoints != num_viewpoints_) {
     num_viewpoints_ = message.num_viewpoints;
     const std::map<size_t, int32_t> matches = MatchToTruth(message, setup_);
     std::string line = Format("view %d:", num_viewpoints_);
-    for (const object_estimate_v2_t& object : message.objects) {
+    for (const object_estimate_v3_t& object : message.objects) {
       line += "  " + DescribeObject(object, matches);
     }
     Say(line + (message.objects.empty() ? " nothing found" : ""));

@@ -21,7 +21,7 @@
 #include "nodes/shot_config.h"
 #include "tools/support/log_config.h"
 #include "tools/support/object_table.h"
-#include "vantage/object_estimates_v2_t.hpp"
+#include "vantage/object_estimates_v3_t.hpp"
 
 namespace vantage {
 namespace {
@@ -112,7 +112,7 @@ class Progress {
 };
 
 void PrintSummary(const LogBus& bus,
-                  const object_estimates_v2_t& objects,
+                  const object_estimates_v3_t& objects,
                   double seconds,
                   double span) {
   std::printf("%s", ObjectTable(objects).c_str());
@@ -157,11 +157,11 @@ Result<void> Replay(const Arguments& arguments) {
   if (!bus) return bus.error();
   const Result<Nodes> nodes = MakeNodes(**bus, arguments);
   if (!nodes) return nodes.error();
-  object_estimates_v2_t objects{};
-  if (Result<void> subscribed = (*bus)->Subscribe<object_estimates_v2_t>(
+  object_estimates_v3_t objects{};
+  if (Result<void> subscribed = (*bus)->Subscribe<object_estimates_v3_t>(
           "OBJECTS",
           {},
-          [&objects](const Envelope&, const object_estimates_v2_t& message) { objects = message; });
+          [&objects](const Envelope&, const object_estimates_v3_t& message) { objects = message; });
       !subscribed) {
     return subscribed;
   }

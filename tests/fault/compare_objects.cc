@@ -21,9 +21,9 @@ Result<std::vector<Found>> FinalObjects(const char* log, const std::string& came
   const Result<RecordedRun> run = ReadRun(log, camera);
   if (!run) return run.error();
   std::vector<Found> objects;
-  for (const object_estimate_v2_t& object : run->views.back().objects.objects) {
+  for (const object_estimate_v3_t& object : run->views.back().objects.objects) {
     const std::optional<Pose> pose = EstimatedPose(object);
-    if (object.state == object_estimate_v2_t::CONFIRMED && pose) {
+    if (object.state == object_estimate_v3_t::CONFIRMED && pose) {
       objects.push_back({object.model_id, *pose});
     }
   }

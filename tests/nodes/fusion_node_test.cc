@@ -119,14 +119,14 @@ class World {
     for (int i = 0; i < most_frames && !Finished(); ++i) Frame();
   }
   bool Finished() const {
-    return bus_.Count("OBJECTS") > 0 && bus_.Last<object_estimates_v2_t>("OBJECTS").finished != 0;
+    return bus_.Count("OBJECTS") > 0 && bus_.Last<object_estimates_v3_t>("OBJECTS").finished != 0;
   }
 
   void ExpectObjectsFound(double angle_deg, double distance_m) const {
-    const object_estimates_v2_t objects = bus_.Last<object_estimates_v2_t>("OBJECTS");
+    const object_estimates_v3_t objects = bus_.Last<object_estimates_v3_t>("OBJECTS");
     ASSERT_EQ(objects.num_objects, static_cast<int32_t>(truth_.size()));
-    for (const object_estimate_v2_t& object : objects.objects) {
-      EXPECT_EQ(object.state, object_estimate_v2_t::CONFIRMED);
+    for (const object_estimate_v3_t& object : objects.objects) {
+      EXPECT_EQ(object.state, object_estimate_v3_t::CONFIRMED);
       const Pose& truth = truth_.at(object.model_id);
       const Eigen::Vector3d trans(object.trans);
       EXPECT_LT((trans - truth.translation()).norm(), distance_m);
@@ -192,14 +192,14 @@ TEST_F(FusionNodeTest, LeadsFromViewToViewUntilAllIsKnown) {
   const next_view_t last = bus.Last<next_view_t>("NEXT_VIEW");
   EXPECT_EQ(last.selected, -1);
   EXPECT_FALSE(last.reason.empty());
-  const object_estimates_v2_t objects = bus.Last<object_estimates_v2_t>("OBJECTS");
+  const object_estimates_v3_t objects = bus.Last<object_estimates_v3_t>("OBJECTS");
   EXPECT_GE(objects.num_viewpoints, 4);
   EXPECT_LE(objects.num_viewpoints, MakeConfig().views.max_views);
   // Two frames a view, and no view twice.
   EXPECT_EQ(world.seq_, 2 * objects.num_viewpoints);
   const std::set<int> distinct(world.selected_.begin(), world.selected_.end());
   EXPECT_EQ(distinct.size(), world.selected_.size());
-  for (const object_estimate_v2_t& object : objects.objects) {
+  for (const object_estimate_v3_t& object : objects.objects) {
     EXPECT_EQ(object.num_sources, object.num_views);
     for (const detection_source_t& source : object.sources) {
       EXPECT_EQ(source.channel, "DETECTIONS_PPF");
@@ -218,7 +218,7 @@ TEST_F(FusionNodeTest, EndsAfterMaxViews) {
   World world(bus);
   world.RunToTheEnd();
   EXPECT_TRUE(world.Finished());
-  EXPECT_EQ(bus.Last<object_estimates_v2_t>("OBJECTS").num_viewpoints, 6);
+  EXPECT_EQ(bus.Last<object_estimates_v3_t>("OBJECTS").num_viewpoints, 6);
   EXPECT_EQ(world.selected_.size(), 5U);
   // It goes on fusing, without leading anywhere.
   world.Frame();
@@ -321,7 +321,7 @@ TEST_F(FusionNodeTest, ABadSetIsDroppedAndReported) {
   bad.seq += 2;
   bad.detections.front().model_id = "teapot";
   bus.Send("DETECTIONS_PPF", bad);
-  EXPECT_EQ(bus.Last<object_estimates_v2_t>("OBJECTS").num_objects, 2);
+  EXPECT_EQ(bus.Last<object_estimates_v3_t>("OBJECTS").num_objects, 2);
   EXPECT_NE(bus.state().find("not in use"), std::string::npos) << bus.state();
   // Told until all is well again.
   world.Frame();
@@ -440,8 +440,8 @@ void ExpectGoesOnExactly(const FusionConfig& config, const std::filesystem::path
   }
   EXPECT_EQ(world.selected_, whole_world.selected_);
   EXPECT_EQ(world.seq_, whole_world.seq_);
-  object_estimates_v2_t a = bus.Last<object_estimates_v2_t>("OBJECTS");
-  object_estimates_v2_t b = whole_bus.Last<object_estimates_v2_t>("OBJECTS");
+  object_estimates_v3_t a = bus.Last<object_estimates_v3_t>("OBJECTS");
+  object_estimates_v3_t b = whole_bus.Last<object_estimates_v3_t>("OBJECTS");
   a.seq = b.seq = 0;
   EXPECT_EQ(Encode(a), Encode(b));
 }
@@ -559,8 +559,8 @@ TEST_F(FusionNodeTest, TellsHowDetectionsScatter) {
   ObjectEstimate object;
   object.peaks.resize(2);
   object.peaks[1].covariance << 0, 1, 2, 3, 4, 5, 6, 7, 8;
-  const object_estimates_v2_t message = ObjectsToMessage({{object}});
-  const object_estimate_v2_t& told = message.objects.at(0);
+  const object_estimates_v3_t message = ObjectsToMessage({{object}});
+  const object_estimate_v3_t& told = message.objects.at(0);
   ASSERT_EQ(told.num_peaks, 2);
   for (int i = 0; i < 9; ++i) EXPECT_EQ(told.peaks[1].covariance[i], i);
 
@@ -569,7 +569,7 @@ TEST_F(FusionNodeTest, TellsHowDetectionsScatter) {
   World world(bus);
   world.error_axis_ = Eigen::Vector3d(0.6, 0.0, 0.8);
   world.RunToTheEnd();
-  for (const object_estimate_v2_t& each : bus.Last<object_estimates_v2_t>("OBJECTS").objects) {
+  for (const object_estimate_v3_t& each : bus.Last<object_estimates_v3_t>("OBJECTS").objects) {
     const Eigen::Map<const Eigen::Matrix3d> covariance(each.peaks.front().covariance);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
     const double sigma_deg = std::sqrt(solver.eigenvalues()[2]) / kDegree;

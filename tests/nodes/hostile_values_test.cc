@@ -23,7 +23,7 @@
 #include "tests/perception/test_scenes.h"
 #include "vantage/arm_status_t.hpp"
 #include "vantage/next_view_t.hpp"
-#include "vantage/object_estimates_v2_t.hpp"
+#include "vantage/object_estimates_v3_t.hpp"
 #include "vantage/orientation_histogram_t.hpp"
 
 namespace vantage {
@@ -222,9 +222,9 @@ class FusionHostileValues : public HostileValues {
     for (const double value : values) EXPECT_TRUE(std::isfinite(value)) << what;
   }
 
-  void Check(const object_estimates_v2_t& message) {
+  void Check(const object_estimates_v3_t& message) {
     EXPECT_TRUE(IsPlausibleUtime(message.utime));
-    for (const object_estimate_v2_t& object : message.objects) {
+    for (const object_estimate_v3_t& object : message.objects) {
       ExpectAllFinite(object.trans, "trans");
       ExpectAllFinite(object.trans_covariance, "trans_covariance");
       ExpectAllFinite(std::array{object.entropy, object.last_change}, "entropy, last_change");
@@ -268,7 +268,7 @@ class FusionHostileValues : public HostileValues {
     OpenBus();
     auto node = MakeFusionNode(*bus, Config(), true);
     ASSERT_TRUE(node.ok()) << node.error().message;
-    CheckAll<object_estimates_v2_t>("OBJECTS");
+    CheckAll<object_estimates_v3_t>("OBJECTS");
     CheckAll<next_view_t>("NEXT_VIEW");
     CheckAll<orientation_histogram_t>("ORIENTATION_HISTOGRAM");
     ASSERT_TRUE(bus->Run().ok());
@@ -286,7 +286,7 @@ class FusionHostileValues : public HostileValues {
     const auto node = MakeFusionNode(*bus, Config(), false);
     ASSERT_TRUE(node.ok()) << node.error().message;
     const size_t objects = last.objects.size();
-    CheckAll<object_estimates_v2_t>("OBJECTS");
+    CheckAll<object_estimates_v3_t>("OBJECTS");
     ASSERT_TRUE(bus->Run().ok());
     EXPECT_GE(last.objects.size(), objects);
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "state.bad"));
@@ -296,7 +296,7 @@ class FusionHostileValues : public HostileValues {
   int num_good = 0;
   int num_objects_messages = 0;
   int num_next_views = 0;
-  object_estimates_v2_t last{};
+  object_estimates_v3_t last{};
 };
 
 TEST_F(FusionHostileValues, Detections) {

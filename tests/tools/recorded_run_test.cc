@@ -80,18 +80,18 @@ class RecordedRunTest : public ScratchTest {
   }
 
   void WriteObjects(int64_t utime,
-                    std::vector<object_estimate_v2_t> objects,
+                    std::vector<object_estimate_v3_t> objects,
                     int32_t num_viewpoints) {
     Write(utime + 60'000, "OBJECTS", ObjectsOf(std::move(objects), num_viewpoints, utime));
   }
 
   // An object of one source.
-  static object_estimate_v2_t Object(int32_t instance,
+  static object_estimate_v3_t Object(int32_t instance,
                                      int64_t seq,
                                      int32_t index,
                                      int32_t viewpoint,
                                      const std::string& channel = "DETECTIONS_PPF") {
-    object_estimate_v2_t object = EstimateAt(instance, "part", PoseOf(1000));
+    object_estimate_v3_t object = EstimateAt(instance, "part", PoseOf(1000));
     AddSource(channel, seq, index, viewpoint, &object);
     return object;
   }
@@ -124,7 +124,7 @@ TEST_F(RecordedRunTest, ViewpointsWithWhatWasSeenAndBelieved) {
     WriteDetections(Second(view), view, {PoseOf(10 + v), PoseOf(20 + v)}, v);
     WriteDepth(Second(view + 0.1), 77);  // Nobody used it.
     // The second of the set is instance 4; sources of earlier views stay in the list.
-    object_estimate_v2_t object = EstimateAt(4, "part", PoseOf(1000 + v));
+    object_estimate_v3_t object = EstimateAt(4, "part", PoseOf(1000 + v));
     for (int i = 0; i <= view; ++i) AddSource("DETECTIONS_PPF", i, 1, i, &object);
     object.num_views = view + 1;
     WriteObjects(Second(view), {object}, view + 1);
@@ -228,7 +228,7 @@ TEST_F(RecordedRunTest, FusionThatStartedAnewBeginsANewRun) {
     WriteObjects(Second(view), {Object(2, view, 0, view)}, view + 1);
   }
   WriteDetections(Second(9), 9, {PoseOf(19)}, 9);
-  object_estimates_v2_t last = ObjectsOf({Object(0, 9, 0, 0)}, 1, Second(9));
+  object_estimates_v3_t last = ObjectsOf({Object(0, 9, 0, 0)}, 1, Second(9));
   last.finished = 1;
   Write(Second(9.1), "OBJECTS", last);
   const Result<RecordedRun> run = Read();
@@ -259,7 +259,7 @@ TEST_F(RecordedRunTest, SourcesThatPointNowhereAreNoDetections) {
 
 TEST_F(RecordedRunTest, MessagesThatFailTheirChecksAreLeftOut) {
   WriteDetections(Second(0), 0, {PoseOf(10)}, 0);
-  object_estimate_v2_t bad = EstimateAt(3, "a\xff<b>", PoseOf(1));
+  object_estimate_v3_t bad = EstimateAt(3, "a\xff<b>", PoseOf(1));
   WriteObjects(Second(0), {bad, Object(2, 0, 0, 0)}, 1);
   next_view_t other{};
   for (const char* channel :

@@ -131,7 +131,7 @@ class RenderedRun {
     set.estimator = "ppf";
     set.T_world_camera = T_world_cameras_[static_cast<size_t>(view)];
     const double times = view == kViews - 1 ? 1.0 : 2.0;
-    std::vector<object_estimate_v2_t> objects;
+    std::vector<object_estimate_v3_t> objects;
     for (int i = 0; i < count; ++i) {
       Detection detection;
       detection.model_id = "bracket";

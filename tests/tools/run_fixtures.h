@@ -42,13 +42,13 @@ inline Pose OffBy(const Pose& T_world_truth,
 }
 
 /// One object of OBJECTS, confirmed, with one peak.
-inline object_estimate_v2_t EstimateAt(int32_t instance,
+inline object_estimate_v3_t EstimateAt(int32_t instance,
                                        const std::string& model_id,
                                        const Pose& T_world_object) {
-  object_estimate_v2_t object{};
+  object_estimate_v3_t object{};
   object.instance_id = instance;
   object.model_id = model_id;
-  object.state = object_estimate_v2_t::CONFIRMED;
+  object.state = object_estimate_v3_t::CONFIRMED;
   for (Eigen::Index i = 0; i < 3; ++i) object.trans[i] = T_world_object.translation()[i];
   const Eigen::Quaterniond q(T_world_object.linear());
   orientation_peak_v2_t peak{};
@@ -65,10 +65,10 @@ inline object_estimate_v2_t EstimateAt(int32_t instance,
 }
 
 /// OBJECTS with its counts filled in.
-inline object_estimates_v2_t ObjectsOf(std::vector<object_estimate_v2_t> objects,
+inline object_estimates_v3_t ObjectsOf(std::vector<object_estimate_v3_t> objects,
                                        int32_t num_viewpoints,
                                        int64_t utime) {
-  object_estimates_v2_t message{};
+  object_estimates_v3_t message{};
   message.utime = utime;
   message.num_viewpoints = num_viewpoints;
   message.num_objects = static_cast<int32_t>(objects.size());
@@ -81,7 +81,7 @@ inline void AddSource(const std::string& channel,
                       int64_t seq,
                       int32_t index,
                       int32_t viewpoint,
-                      object_estimate_v2_t* object) {
+                      object_estimate_v3_t* object) {
   detection_source_t source{};
   source.channel = channel;
   source.seq = seq;
@@ -92,7 +92,7 @@ inline void AddSource(const std::string& channel,
 }
 
 /// A viewpoint of a run: image `second` s after the first.
-inline RunView ViewOf(double second, std::vector<object_estimate_v2_t> objects, int32_t viewpoint) {
+inline RunView ViewOf(double second, std::vector<object_estimate_v3_t> objects, int32_t viewpoint) {
   RunView view;
   view.utime = kRunStart + static_cast<int64_t>(1e6 * second);
   view.objects = ObjectsOf(std::move(objects), viewpoint + 1, view.utime);

@@ -31,7 +31,7 @@ ReportSetup TwoModels() {
   return setup;
 }
 
-RecordedRun RunOf(std::vector<object_estimate_v2_t> objects) {
+RecordedRun RunOf(std::vector<object_estimate_v3_t> objects) {
   RecordedRun run;
   run.views.push_back(ViewOf(0.0, std::move(objects), 0));
   return run;
@@ -84,7 +84,7 @@ TEST(RunMetrics, FollowsKnownErrorsThroughTheViews) {
   const double single_deg[] = {8.0, 20.0, 0.0, 2.0};  // Not detected in the third.
   RecordedRun run;
   for (int i = 0; i < 4; ++i) {
-    object_estimate_v2_t object = EstimateAt(
+    object_estimate_v3_t object = EstimateAt(
         7, "part", OffBy(truth, part, fused_deg[i] * kDegree, {0.0, 0.001 * (4 - i), 0.0}));
     object.converged = i >= 2 ? 1 : 0;
     object.num_views = i < 2 ? i + 1 : i;
@@ -147,14 +147,14 @@ TEST(RunMetrics, MissingObjectIsNotWithin) {
 TEST(RunMetrics, ExtraConfirmedObjectIsNotWithin) {
   ReportSetup setup = TwoModels();
   setup.truth = {{"part", Pose::Identity()}};
-  object_estimate_v2_t ghost = EstimateAt(2, "nut", Pose::Identity());
-  const object_estimate_v2_t part = EstimateAt(1, "part", Pose::Identity());
+  object_estimate_v3_t ghost = EstimateAt(2, "nut", Pose::Identity());
+  const object_estimate_v3_t part = EstimateAt(1, "part", Pose::Identity());
   RunMetrics metrics = MeasureRun(RunOf({part, ghost}), setup);
   EXPECT_EQ(metrics.extra, (std::vector<std::string>{"nut 2"}));
   EXPECT_EQ(metrics.objects.size(), 1U);
   EXPECT_FALSE(metrics.Within(0.1, 0.1));
   // What is not yet, or no longer, believed is no claim.
-  for (const int8_t state : {object_estimate_v2_t::TENTATIVE, object_estimate_v2_t::LOST}) {
+  for (const int8_t state : {object_estimate_v3_t::TENTATIVE, object_estimate_v3_t::LOST}) {
     ghost.state = state;
     metrics = MeasureRun(RunOf({part, ghost}), setup);
     EXPECT_TRUE(metrics.extra.empty());
@@ -168,11 +168,11 @@ TEST(RunMetrics, TwoInstancesOfOneModelGoWithTheNearest) {
   const Pose here(Eigen::Translation3d(0.0, 0.0, 0.0));
   const Pose there(Eigen::Translation3d(0.04, 0.0, 0.0));  // Within half a diameter of each other.
   setup.truth = {{"part", here}, {"part", there}};
-  const std::vector<object_estimate_v2_t> estimates = {
+  const std::vector<object_estimate_v3_t> estimates = {
       EstimateAt(5, "part", OffBy(there, part, 0.01, {0.001, 0.0, 0.0})),
       EstimateAt(9, "part", OffBy(here, part, 0.02, {0.002, 0.0, 0.0}))};
   for (const bool turned : {false, true}) {
-    std::vector<object_estimate_v2_t> listed = estimates;
+    std::vector<object_estimate_v3_t> listed = estimates;
     if (turned) std::swap(listed[0], listed[1]);
     const RunMetrics metrics = MeasureRun(RunOf(listed), setup);
     ASSERT_EQ(metrics.objects.size(), 2U);
@@ -227,7 +227,7 @@ TEST(RunMetrics, WithoutTruthObjectsHaveNoErrors) {
 TEST(RunMetrics, PosesThatAreNoneAreNoEstimates) {
   ReportSetup setup = TwoModels();
   setup.truth = {{"part", Pose::Identity()}};
-  object_estimate_v2_t object = EstimateAt(1, "part", Pose::Identity());
+  object_estimate_v3_t object = EstimateAt(1, "part", Pose::Identity());
   object.trans[1] = kNan;
   EXPECT_FALSE(EstimatedPose(object).has_value());
   EXPECT_FALSE(MeasureRun(RunOf({object}), setup).Within(10.0, 10.0));

@@ -6,11 +6,11 @@
 namespace vantage {
 namespace {
 
-const char* StateName(const object_estimate_v2_t& object) {
+const char* StateName(const object_estimate_v3_t& object) {
   switch (object.state) {
-    case object_estimate_v2_t::CONFIRMED:
+    case object_estimate_v3_t::CONFIRMED:
       return object.converged ? "converged" : "confirmed";
-    case object_estimate_v2_t::LOST:
+    case object_estimate_v3_t::LOST:
       return "lost";
     default:
       return "tentative";
@@ -19,7 +19,7 @@ const char* StateName(const object_estimate_v2_t& object) {
 
 }  // namespace
 
-std::string ObjectTable(const object_estimates_v2_t& objects) {
+std::string ObjectTable(const object_estimates_v3_t& objects) {
   std::string table = Format("%-16s %8s %-10s %24s %26s %6s\n",
                              "object",
                              "instance",
@@ -27,7 +27,7 @@ std::string ObjectTable(const object_estimates_v2_t& objects) {
                              "position (m)",
                              "rotation vector (deg)",
                              "views");
-  for (const object_estimate_v2_t& object : objects.objects) {
+  for (const object_estimate_v3_t& object : objects.objects) {
     Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
     if (!object.peaks.empty()) {
       const Result<Eigen::Quaterniond> q = QuaternionFromWire(object.peaks.front().quat);

@@ -21,7 +21,7 @@ class RunReader {
 
   void Read(const LogEvent& event) {
     if (event.channel == "OBJECTS") {
-      auto message = DecodeChecked<object_estimates_v2_t>(event.data);
+      auto message = DecodeChecked<object_estimates_v3_t>(event.data);
       if (message) OnObjects(std::move(message).value());
     } else if (event.channel.starts_with("DETECTIONS_")) {
       const auto message = DecodeChecked<detections_v2_t>(event.data);
@@ -46,9 +46,9 @@ class RunReader {
   RecordedRun Finish() && { return std::move(run_); }
 
  private:
-  void OnObjects(object_estimates_v2_t message) {
+  void OnObjects(object_estimates_v3_t message) {
     // Ids end up in pages and files: only such as models have.
-    std::erase_if(message.objects, [](const object_estimate_v2_t& object) {
+    std::erase_if(message.objects, [](const object_estimate_v3_t& object) {
       return !CheckModelId(object.model_id).ok();
     });
     message.num_objects = static_cast<int32_t>(message.objects.size());
@@ -63,7 +63,7 @@ class RunReader {
     RunView& view = run_.views.back();
     view.objects = std::move(message);
     if (view.utime == 0) PlaceView(&view);
-    for (const object_estimate_v2_t& object : view.objects.objects) {
+    for (const object_estimate_v3_t& object : view.objects.objects) {
       for (const detection_source_t& source : object.sources) {
         if (source.viewpoint == static_cast<int32_t>(num_views) - 1) {
           TakeDetection(object.instance_id, source, &view);
@@ -138,7 +138,7 @@ Result<RecordedRun> ReadRun(const std::filesystem::path& log, const std::string&
   return run;
 }
 
-std::optional<Pose> EstimatedPose(const object_estimate_v2_t& object) {
+std::optional<Pose> EstimatedPose(const object_estimate_v3_t& object) {
   if (object.peaks.empty()) return std::nullopt;
   const Result<Pose> pose = PoseFromWire(object.trans, object.peaks.front().quat);
   if (!pose) return std::nullopt;

@@ -13,7 +13,7 @@
 #include "common/result.h"
 #include "common/so3.h"
 #include "vantage/next_view_t.hpp"
-#include "vantage/object_estimates_v2_t.hpp"
+#include "vantage/object_estimates_v3_t.hpp"
 #include "vantage/orientation_histogram_t.hpp"
 
 namespace vantage {
@@ -24,7 +24,7 @@ struct RunView {
   Pose T_world_camera = Pose::Identity();  ///< at utime
   DepthImage depth;                        ///< that image; empty when the log has none
   std::map<int32_t, Pose> detections;      ///< T_world_object by instance id: this view alone
-  object_estimates_v2_t objects{};         ///< the fused estimates after it
+  object_estimates_v3_t objects{};         ///< the fused estimates after it
   std::map<int32_t, orientation_histogram_t> histograms;  ///< by instance id, after it
   next_view_t next_view{};                                ///< NEXT_VIEW after it
 };
@@ -43,6 +43,6 @@ struct RecordedRun {
 Result<RecordedRun> ReadRun(const std::filesystem::path& log, const std::string& camera);
 
 /// T_world_object of the first peak of an estimate; nothing when it has none or it is invalid.
-std::optional<Pose> EstimatedPose(const object_estimate_v2_t& object);
+std::optional<Pose> EstimatedPose(const object_estimate_v3_t& object);
 
 }  // namespace vantage

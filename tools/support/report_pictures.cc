@@ -74,10 +74,10 @@ RgbImage ScenePicture(const RecordedRun& run, const ReportSetup& setup, SceneCut
         {plane.center.x(), plane.center.y(), plane.height}, plane.size.x(), plane.size.y(), 0.02);
     scene.items.push_back({&table, Pose::Identity(), kTableColor});
   }
-  for (const object_estimate_v2_t& object : run.views.back().objects.objects) {
+  for (const object_estimate_v3_t& object : run.views.back().objects.objects) {
     const auto model = setup.models.find(object.model_id);
     const std::optional<Pose> pose = EstimatedPose(object);
-    if (model == setup.models.end() || !pose || object.state != object_estimate_v2_t::CONFIRMED) {
+    if (model == setup.models.end() || !pose || object.state != object_estimate_v3_t::CONFIRMED) {
       continue;
     }
     scene.items.push_back(
@@ -108,7 +108,7 @@ RgbImage ScenePicture(const RecordedRun& run, const ReportSetup& setup, SceneCut
 
 RgbImage ViewPicture(const RecordedRun& run, const RunView& view, const ReportSetup& setup) {
   std::vector<OutlinedModel> models;
-  for (const object_estimate_v2_t& object : view.objects.objects) {
+  for (const object_estimate_v3_t& object : view.objects.objects) {
     const auto model = setup.models.find(object.model_id);
     const std::optional<Pose> pose = EstimatedPose(object);
     if (model == setup.models.end() || !pose) continue;
@@ -120,7 +120,7 @@ RgbImage ViewPicture(const RecordedRun& run, const RunView& view, const ReportSe
 }
 
 Eigen::Vector3d HistogramSide(const RecordedRun& run, int32_t instance) {
-  for (const object_estimate_v2_t& object : run.views.back().objects.objects) {
+  for (const object_estimate_v3_t& object : run.views.back().objects.objects) {
     const std::optional<Pose> pose = EstimatedPose(object);
     if (object.instance_id != instance || !pose) continue;
     // A little from above, so that the poles are seen too.

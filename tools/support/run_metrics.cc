@@ -9,8 +9,8 @@
 namespace vantage {
 namespace {
 
-const object_estimate_v2_t* FindInstance(const object_estimates_v2_t& objects, int32_t instance) {
-  for (const object_estimate_v2_t& object : objects.objects) {
+const object_estimate_v3_t* FindInstance(const object_estimates_v3_t& objects, int32_t instance) {
+  for (const object_estimate_v3_t& object : objects.objects) {
     if (object.instance_id == instance) return &object;
   }
   return nullptr;
@@ -29,7 +29,7 @@ void FollowInstance(const RecordedRun& run,
         truth && found != view.detections.end()) {
       detected = ErrorOf(model, found->second, *truth);
     }
-    if (const object_estimate_v2_t* object = FindInstance(view.objects, *history->instance)) {
+    if (const object_estimate_v3_t* object = FindInstance(view.objects, *history->instance)) {
       const std::optional<Pose> pose = EstimatedPose(*object);
       if (truth && pose) fused = ErrorOf(model, *pose, *truth);
       if (!history->converged) {
@@ -90,10 +90,10 @@ bool RunMetrics::BetterThanMedianDetection() const {
   });
 }
 
-std::map<size_t, int32_t> MatchToTruth(const object_estimates_v2_t& objects,
+std::map<size_t, int32_t> MatchToTruth(const object_estimates_v3_t& objects,
                                        const ReportSetup& setup) {
   std::vector<std::tuple<double, size_t, int32_t>> pairs;  // Distance, truth, instance.
-  for (const object_estimate_v2_t& object : objects.objects) {
+  for (const object_estimate_v3_t& object : objects.objects) {
     const auto model = setup.models.find(object.model_id);
     const std::optional<Pose> pose = EstimatedPose(object);
     if (model == setup.models.end() || !pose) continue;
@@ -118,7 +118,7 @@ std::map<size_t, int32_t> MatchToTruth(const object_estimates_v2_t& objects,
 
 RunMetrics MeasureRun(const RecordedRun& run, const ReportSetup& setup) {
   RunMetrics metrics;
-  const object_estimates_v2_t& last = run.views.back().objects;
+  const object_estimates_v3_t& last = run.views.back().objects;
   const std::map<size_t, int32_t> matches = MatchToTruth(last, setup);
   std::set<int32_t> explained;
   for (size_t i = 0; i < setup.truth.size(); ++i) {
@@ -132,8 +132,8 @@ RunMetrics MeasureRun(const RecordedRun& run, const ReportSetup& setup) {
     }
     metrics.objects.push_back(std::move(history));
   }
-  for (const object_estimate_v2_t& object : last.objects) {
-    if (object.state != object_estimate_v2_t::CONFIRMED || explained.contains(object.instance_id)) {
+  for (const object_estimate_v3_t& object : last.objects) {
+    if (object.state != object_estimate_v3_t::CONFIRMED || explained.contains(object.instance_id)) {
       continue;
     }
     const auto model = setup.models.find(object.model_id);

@@ -52,7 +52,7 @@ struct RunMetrics {
 RunMetrics MeasureRun(const RecordedRun& run, const ReportSetup& setup);
 
 /// Estimates of one message that go with the truth: instance id by place in `truth`.
-std::map<size_t, int32_t> MatchToTruth(const object_estimates_v2_t& objects,
+std::map<size_t, int32_t> MatchToTruth(const object_estimates_v3_t& objects,
                                        const ReportSetup& setup);
 
 }  // namespace vantage
