@@ -1,0 +1,25 @@
+#pragma once
+
+#include "common/result.h"
+#include "common/so3.h"
+#include "perception/refinement/refinement_parameters.h"
+
+namespace vantage {
+
+struct MultiViewParameters {
+  int rounds = 5;     ///< at most so often correspondences are renewed
+  int points = 4000;  ///< pixels of a model drawn in a view, about
+  int edge_px = 3;    ///< px about a silhouette or a step of the drawn model in which depth wavers
+  /// Standard deviations of a camera's pose about what the robot tells, rad and m.
+  double camera_rotation = 0.02 * kDegree;
+  double camera_translation = 0.0001;
+  /// True: one motion of all cameras in their hand is sought too.
+  bool adjust_hand_eye = false;
+  double hand_eye_rotation = 0.5 * kDegree;  ///< rad, standard deviation of that motion
+  double hand_eye_translation = 0.005;       ///< m, likewise
+  int min_views = 2;                         ///< fewer that show enough of an object: refused
+  RefinementParameters single;  ///< sensor's noise, robust cut, bias; iterations are not used
+  Result<void> Validate() const;
+};
+
+}  // namespace vantage
