@@ -19,6 +19,10 @@ class TargetDetector {
   virtual std::vector<TargetPoint> Detect(const GrayImage& image) = 0;
 };
 
+/// Whether an image has as many pixels as it claims, and a size that detectors take: 16 to 16384 px
+/// each way.
+bool IsDetectable(const GrayImage& image);
+
 /// Errors: a target that is not valid, a family or dictionary that there is not (names those that
 /// there are).
 Result<std::unique_ptr<TargetDetector>> MakeTargetDetector(const CalibrationTarget& target);
