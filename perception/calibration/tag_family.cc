@@ -7,6 +7,7 @@
 #include <apriltag/tagStandard41h12.h>
 
 #include <array>
+#include <cstdlib>
 
 #include "common/check.h"
 
@@ -50,8 +51,13 @@ bool TagFamily::has_plain_ring() const { return !family_->reversed_border; }
 
 std::vector<bool> TagFamily::BlackCells(int id) const {
   VANTAGE_CHECK(id >= 0 && id < num_tags(), std::to_string(id));
-  const std::unique_ptr<image_u8_t, void (*)(image_u8_t*)> image(
-      apriltag_to_image(family_.get(), id), image_u8_destroy);
+  // Debian's library does not export image_u8_destroy(), which does just this.
+  const auto destroy = [](image_u8_t* picture) {
+    std::free(picture->buf);
+    std::free(picture);
+  };
+  const std::unique_ptr<image_u8_t, decltype(destroy)> image(apriltag_to_image(family_.get(), id),
+                                                             destroy);
   std::vector<bool> black;
   for (int v = 0; v < image->height; ++v) {
     for (int u = 0; u < image->width; ++u) black.push_back(image->buf[v * image->stride + u] < 128);
