@@ -42,12 +42,14 @@ Result<Pose> SelectedPose(const next_view_t& view) {
 
 SimArmNode::SimArmNode(Bus& bus,
                        const SimArmParameters& parameters,
+                       const std::optional<SimHandParameters>& hand,
                        const std::string& camera_name,
                        SteadyClock steady_us)
     : bus_(bus),
       arm_(parameters),
+      hand_(hand ? std::optional<SimHand>(*hand) : std::nullopt),
       camera_name_(camera_name),
-      pose_channel_("CAMERA_" + camera_name + "_TO_WORLD"),
+      pose_channel_(SimCameraPoseChannel(camera_name, hand.has_value())),
       steady_us_(std::move(steady_us)),
       start_us_(steady_us_()),
       next_pose_us_(start_us_),
@@ -55,7 +57,9 @@ SimArmNode::SimArmNode(Bus& bus,
 
 Result<void> SimArmNode::Subscribe() {
   return bus_.Subscribe<next_view_t>(
-      "NEXT_VIEW", {}, [this](const Envelope&, const next_view_t& view) { HandleNextView(view); });
+      hand_ ? "NEXT_HAND_POSE" : "NEXT_VIEW", {}, [this](const Envelope&, const next_view_t& view) {
+        HandleNextView(view);
+      });
 }
 
 double SimArmNode::Seconds(int64_t steady_us) const {
@@ -73,7 +77,7 @@ void SimArmNode::HandleNextView(const next_view_t& view) {
     // A planner repeats its decision; one that was started anew counts from 0 again, and then the
     // pose tells that it is another decision.
     if (view.seq == view_seq_ && view_pose_ && SamePose(*view_pose_, *pose)) return;
-    const Result<void> accepted = arm_.MoveTo(*pose, Seconds(now));
+    const Result<void> accepted = arm_.MoveTo(hand_ ? hand_->CameraAt(*pose) : *pose, Seconds(now));
     refusal_ = accepted ? std::string() : accepted.error().message;
     view_pose_ = *pose;
   }
@@ -83,16 +87,20 @@ void SimArmNode::HandleNextView(const next_view_t& view) {
 
 void SimArmNode::Poll() {
   const int64_t now = steady_us_();
-  if (now >= next_pose_us_) PublishPose(now);
+  if (now >= next_pose_us_) PublishPoses(now);
   const bool moving = arm_.Remaining(Seconds(now)) > 0.0;
   const bool changed = moving != (last_state_ == arm_status_t::MOVING);
   if (changed || now >= next_status_us_) PublishStatus(now);
 }
 
-void SimArmNode::PublishPose(int64_t now) {
+void SimArmNode::PublishPoses(int64_t now) {
   next_pose_us_ = NextTime(next_pose_us_, now, kPosePeriod);
-  const Result<void> sent =
-      bus_.Publish(pose_channel_, PoseToMessage(arm_.PoseAt(Seconds(now)), bus_.NowUtime()));
+  const Pose T_world_camera = arm_.PoseAt(Seconds(now));
+  const int64_t utime = bus_.NowUtime();
+  Result<void> sent = bus_.Publish(pose_channel_, PoseToMessage(T_world_camera, utime));
+  if (sent && hand_) {
+    sent = bus_.Publish("HAND_TO_BASE", PoseToMessage(hand_->Believed(T_world_camera), utime));
+  }
   bus_.SetState(sent ? "ok" : sent.error().message);
 }
 
@@ -126,7 +134,7 @@ Result<std::unique_ptr<Node>> MakeSimArmNode(Bus& bus,
                std::chrono::steady_clock::now().time_since_epoch())
         .count();
   };
-  auto node = std::make_unique<SimArmNode>(bus, sim->arm, sim->camera_name, steady_us);
+  auto node = std::make_unique<SimArmNode>(bus, sim->arm, sim->hand, sim->camera_name, steady_us);
   if (Result<void> subscribed = node->Subscribe(); !subscribed) return subscribed.error();
   return std::unique_ptr<Node>(std::move(node));
 }

@@ -1,5 +1,6 @@
 #include "nodes/sim_config.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "nodes/process.h"
+#include "nodes/target_config.h"
 #include "perception/model/object_model.h"
 
 namespace vantage {
@@ -69,7 +71,8 @@ std::optional<SimPlane> ReadPlane(Table& sim, const std::string& key, SimPlane p
   return plane;
 }
 
-void ReadSensor(Table table, SensorModelParameters* sensor) {
+/// Returns whether there is any noise but what is switched on by itself.
+bool ReadSensor(Table table, SensorModelParameters* sensor) {
   bool noise = true;
   table.Read("noise", &noise);
   if (!noise) sensor->SwitchAllOff();
@@ -89,6 +92,7 @@ void ReadSensor(Table table, SensorModelParameters* sensor) {
   ReadRange(table, "dropout_deg", kDegree, 0.0, 90.0, &sensor->dropout_start, &sensor->dropout_end);
   ReadIn(table, "bias_at_1m_mm", 1e-3, 0.0, 100.0, &sensor->bias_at_1m);
   table.Read("bias_period_s", &sensor->bias_period, 1.0, 1e6);
+  return noise;
 }
 
 void ReadArm(Table table, SimArmParameters* arm) {
@@ -104,6 +108,54 @@ void ReadArm(Table table, SimArmParameters* arm) {
   ReadRange(
       table, "elevation_deg", kDegree, 0.0, 89.0, &arm->lowest_elevation, &arm->highest_elevation);
   table.Read("clearance_m", &arm->clearance, 0.0, 10.0);
+}
+
+/// Nothing when its table is absent: the arm then carries the camera itself.
+std::optional<SimHandParameters> ReadHand(Table arm, uint64_t seed) {
+  Table table = arm.Sub("hand_eye");
+  if (!arm.Has("hand_eye")) return std::nullopt;
+  SimHandParameters hand;
+  hand.seed = seed;
+  table.ReadPose(&hand.T_hand_camera);
+  ReadIn(table, "robot_noise_mm", 1e-3, 0.0, 100.0, &hand.translation_sigma);
+  ReadIn(table, "robot_noise_deg", kDegree, 0.0, 5.0, &hand.rotation_sigma);
+  if (Result<void> sound = hand.Validate(); !sound) {
+    table.Fail("position_m", sound.error().message);
+  }
+  return hand;
+}
+
+void ReadBoard(Table& sim, bool noise, SimConfig* config) {
+  Table table = sim.Sub("board");
+  if (!sim.Has("board")) return;
+  SimBoard board;
+  // On a table, face up: its z goes into it.
+  board.T_world_board = Eigen::Translation3d(0.0, 0.0, 0.003) *
+                        Eigen::AngleAxisd(180.0 * kDegree, Eigen::Vector3d::UnitX());
+  table.ReadPose(&board.T_world_board);
+  CalibrationTarget target;
+  ReadTarget(table, &target);
+  board.size = target.BoardSize();
+  if (!noise) board.noise = 0.0;
+  config->scene.board = std::move(board);
+  config->board_target = target;
+}
+
+/// Draws what is printed on the board.
+Result<void> DrawBoard(SimConfig* sim) {
+  if (!sim->scene.board) return {};
+  // Tags' cells and most gaps are whole pixels; neither must the image be larger than it helps.
+  const double size = sim->board_target->size;
+  constexpr double kLargest = 4096.0;  // px
+  double pixels_per_size = 240.0;
+  while (pixels_per_size > 30.0 &&
+         pixels_per_size * sim->scene.board->size.maxCoeff() / size > kLargest) {
+    pixels_per_size *= 0.5;
+  }
+  Result<GrayImage> print = DrawTarget(*sim->board_target, std::max(100.0, pixels_per_size / size));
+  if (!print) return print.error();
+  sim->scene.board->print = std::move(print).value();
+  return {};
 }
 
 void ReadObjects(Table& sim, std::vector<SimObject>* objects) {
@@ -130,6 +182,10 @@ void ReadModelsFolder(ConfigReader& config, bool required, std::filesystem::path
 
 }  // namespace
 
+std::string SimCameraPoseChannel(const std::string& camera_name, bool has_hand) {
+  return (has_hand ? "SIM_CAMERA_" : "CAMERA_") + camera_name + "_TO_WORLD";
+}
+
 Result<SimConfig> ReadSimConfig(ConfigReader& config) {
   SimConfig sim;
   Table root = config.Root();
@@ -146,8 +202,10 @@ Result<SimConfig> ReadSimConfig(ConfigReader& config) {
   sim.scene.floor = ReadPlane(table, "floor", {.height = -0.75, .size = {6.0, 6.0}});
   ReadObjects(table, &sim.scene.objects);
   ReadModelsFolder(config, !sim.scene.objects.empty(), &sim.models_folder);
-  ReadSensor(table.Sub("sensor"), &sim.sensor);
+  const bool noise = ReadSensor(table.Sub("sensor"), &sim.sensor);
+  ReadBoard(table, noise, &sim);
   ReadArm(table.Sub("arm"), &sim.arm);
+  sim.hand = ReadHand(table.Sub("arm"), sim.sensor.seed);
   if (Result<void> sound = sim.sensor.Validate(); !sound) return sound.error();
   if (Result<void> sound = sim.arm.Validate(); !sound) return sound.error();
   return sim;
@@ -173,6 +231,7 @@ Result<SimConfig> LoadSimConfig(ConfigReader& config) {
   if (Result<void> read = config.Finish(); !read) return read.error();
   if (!sim) return sim;
   if (Result<void> loaded = LoadSimMeshes(&*sim); !loaded) return loaded.error();
+  if (Result<void> drawn = DrawBoard(&*sim); !drawn) return drawn.error();
   return sim;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/gray_image.h"
 #include "common/result.h"
 #include "common/so3.h"
 #include "common/triangle_mesh.h"
@@ -28,11 +29,21 @@ struct SimObject {
   Pose T_world_object = Pose::Identity();
 };
 
+/// A flat printed board, e.g. a calibration target.
+struct SimBoard {
+  Pose T_world_board = Pose::Identity();  ///< origin in its middle, x and y as the print's
+  Eigen::Vector2d size{0.2, 0.2};         ///< m, along x and y
+  GrayImage print;                        ///< over its whole size; (0, 0) at the lowest x and y
+  double blur = 0.5;                      ///< px, sigma of the lens's blur
+  double noise = 1.5;                     ///< of 255, sigma of the color image's noise
+};
+
 /// What the simulated camera looks at.
 struct SimScene {
   std::optional<SimPlane> table;
   std::optional<SimPlane> floor;
   std::vector<SimObject> objects;
+  std::optional<SimBoard> board;
 };
 
 }  // namespace vantage

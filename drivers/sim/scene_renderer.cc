@@ -9,9 +9,9 @@
 namespace vantage {
 namespace {
 
-TriangleMesh PlaneMesh(const SimPlane& plane) {
-  const auto x = static_cast<float>(0.5 * plane.size.x());
-  const auto y = static_cast<float>(0.5 * plane.size.y());
+TriangleMesh RectangleMesh(const Eigen::Vector2d& size) {
+  const auto x = static_cast<float>(0.5 * size.x());
+  const auto y = static_cast<float>(0.5 * size.y());
   TriangleMesh mesh;
   mesh.vertices = {{-x, -y, 0.0F}, {x, -y, 0.0F}, {x, y, 0.0F}, {-x, y, 0.0F}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -54,9 +54,10 @@ SceneRenderer::SceneRenderer(const SimScene& scene, const CameraModel& camera)
   for (uint32_t i = 0; i < num_objects_; ++i) {
     AddBody(scene.objects[i].mesh, scene.objects[i].T_world_object, i);
   }
+  if (scene.board) AddBody(RectangleMesh(scene.board->size), scene.board->T_world_board, Board());
   // The large planes come last: most of their hidden pixels then fail the depth test.
-  if (scene.table) AddBody(PlaneMesh(*scene.table), PlanePose(*scene.table), Table());
-  if (scene.floor) AddBody(PlaneMesh(*scene.floor), PlanePose(*scene.floor), Floor());
+  if (scene.table) AddBody(RectangleMesh(scene.table->size), PlanePose(*scene.table), Table());
+  if (scene.floor) AddBody(RectangleMesh(scene.floor->size), PlanePose(*scene.floor), Floor());
   view_.camera = camera;
   FindRayLengths();
 }

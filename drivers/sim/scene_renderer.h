@@ -20,7 +20,7 @@ struct RenderedView {
   DepthImage depth;    ///< m; NaN where there is no surface
   /// |cosine| of the angle between the ray and the surface's normal; 0 where there is no surface.
   std::vector<float> cos_incidence;
-  std::vector<uint32_t> surface;  ///< index of the object; Table() or Floor(); kNoSurface
+  std::vector<uint32_t> surface;  ///< index of the object; Table(), Floor(), Board(); kNoSurface
 };
 
 /// Renders a scene's depth, its surfaces and the angles at which the rays meet them.
@@ -39,9 +39,10 @@ class SceneRenderer {
   /// Only a window of it, not empty.
   const RenderedView& Render(const Pose& T_world_camera, const PixelWindow& window);
 
-  /// RenderedView::surface of the table, and of the floor.
+  /// RenderedView::surface of the table, of the floor, and of the printed board.
   [[nodiscard]] uint32_t Table() const { return num_objects_; }
   [[nodiscard]] uint32_t Floor() const { return num_objects_ + 1; }
+  [[nodiscard]] uint32_t Board() const { return num_objects_ + 2; }
 
  private:
   struct Body {

@@ -39,6 +39,14 @@ const std::vector<uint16_t>& SimCamera::Depth(int width) {
 const std::vector<uint8_t>& SimCamera::Color(int width) {
   Resolution& resolution = Rendered(width);
   ShadeColor(*resolution.view, &resolution.rgb);
+  if (setup_.scene.board) {
+    if (painter_ == nullptr) {
+      painter_ = std::make_unique<BoardPainter>(*setup_.scene.board,
+                                                setup_.sensor.seed ^ setup_.sensor.device_id);
+    }
+    painter_->Paint(
+        *resolution.view, T_world_camera_, resolution.renderer->Board(), frame_, &resolution.rgb);
+  }
   return resolution.rgb;
 }
 

@@ -9,6 +9,7 @@
 
 #include "common/camera_model.h"
 #include "common/so3.h"
+#include "drivers/sim/board_painter.h"
 #include "drivers/sim/fault_state.h"
 #include "drivers/sim/scene.h"
 #include "drivers/sim/sensor_model.h"
@@ -61,6 +62,7 @@ class SimCamera {
   Resolution& Rendered(int width);
 
   const SimDeviceSetup& setup_;
+  std::unique_ptr<BoardPainter> painter_;  // From the first color image of a scene with a board on.
   std::map<int, Resolution> resolutions_;  // By width.
   Pose T_world_camera_ = Pose::Identity();
   int64_t frame_ = 0;

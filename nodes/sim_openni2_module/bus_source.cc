@@ -36,18 +36,18 @@ void LeaveSignalsToTheProgram() {
 }  // namespace
 
 Result<std::unique_ptr<BusSource>> BusSource::Create(const LiveBus::Options& options,
-                                                     const std::string& camera_name,
+                                                     const std::string& pose_channel,
                                                      const std::string& serial) {
   std::unique_ptr<BusSource> source(new BusSource());
   std::promise<Result<void>> started;
   std::future<Result<void>> outcome = started.get_future();
   // A bus is driven by the thread that made it.
   source->thread_ = std::jthread(
-      [self = source.get(), options, camera_name, serial, started = std::move(started)](
+      [self = source.get(), options, pose_channel, serial, started = std::move(started)](
           const std::stop_token& stop) mutable {
         LeaveSignalsToTheProgram();
         Result<std::unique_ptr<LiveBus>> bus = LiveBus::Create(options);
-        Result<void> ready = bus ? self->Subscribe(**bus, camera_name, serial) : bus.error();
+        Result<void> ready = bus ? self->Subscribe(**bus, pose_channel, serial) : bus.error();
         const bool run = ready.ok();
         started.set_value(std::move(ready));
         if (run) (*bus)->Run(stop);
@@ -57,10 +57,10 @@ Result<std::unique_ptr<BusSource>> BusSource::Create(const LiveBus::Options& opt
 }
 
 Result<void> BusSource::Subscribe(Bus& bus,
-                                  const std::string& camera_name,
+                                  const std::string& pose_channel,
                                   const std::string& serial) {
   Result<void> subscribed =
-      bus.Subscribe<rigid_transform_t>("CAMERA_" + camera_name + "_TO_WORLD",
+      bus.Subscribe<rigid_transform_t>(pose_channel,
                                        {.keep = SubscribeOptions::Keep::kLatest},
                                        [this](const Envelope&, const rigid_transform_t& message) {
                                          const Result<Pose> pose = PoseFromMessage(message);

@@ -13,21 +13,20 @@
 
 namespace vantage {
 
-/// The simulated camera's pose from CAMERA_<NAME>_TO_WORLD and its faults from SIM_COMMAND,
-/// received on a thread of its own.
+/// The simulated camera's pose and its faults (SIM_COMMAND), received on a thread of its own.
 class BusSource : public SimDeviceSource {
  public:
-  /// @param serial of the device: commands for others are left alone.
-  /// Errors: as LiveBus::Create.
+  /// @param pose_channel SimCameraPoseChannel(). @param serial of the device: commands for others
+  /// are left alone. Errors: as LiveBus::Create.
   static Result<std::unique_ptr<BusSource>> Create(const LiveBus::Options& options,
-                                                   const std::string& camera_name,
+                                                   const std::string& pose_channel,
                                                    const std::string& serial);
 
   std::optional<Pose> CameraPose() override;
   std::vector<SimFault> TakeFaults() override;
 
  private:
-  Result<void> Subscribe(Bus& bus, const std::string& camera_name, const std::string& serial);
+  Result<void> Subscribe(Bus& bus, const std::string& pose_channel, const std::string& serial);
 
   std::mutex mutex_;  // Guards what follows.
   std::optional<Pose> T_world_camera_;

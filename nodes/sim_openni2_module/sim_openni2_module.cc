@@ -38,8 +38,8 @@ Result<std::optional<SimDeviceSetup>> DeviceFromEnvironment() {
   options.config_hash = config->Hash();
   // Poses and commands are small.
   options.receive_buffer_bytes = 1 << 20;
-  Result<std::unique_ptr<BusSource>> source =
-      BusSource::Create(options, sim->camera_name, sim->serial);
+  Result<std::unique_ptr<BusSource>> source = BusSource::Create(
+      options, SimCameraPoseChannel(sim->camera_name, sim->hand.has_value()), sim->serial);
   if (!source) return source.error();
   SimDeviceSetup setup;
   setup.serial = sim->serial;

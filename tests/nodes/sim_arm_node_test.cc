@@ -76,7 +76,8 @@ next_view_t NextView(int64_t seq, const Pose& pose) {
 
 class SimArmNodeTest : public ::testing::Test {
  protected:
-  SimArmNodeTest() : node_(bus_, SimArmParameters{}, "XTION", [this] { return steady_us_; }) {
+  SimArmNodeTest()
+      : node_(bus_, SimArmParameters{}, std::nullopt, "XTION", [this] { return steady_us_; }) {
     EXPECT_TRUE(node_.Subscribe().ok());
   }
   void Run(double seconds) {
@@ -207,6 +208,31 @@ TEST_F(SimArmNodeTest, AClockThatIsSetDoesNotMoveTheArm) {
   Run(20.0);
   EXPECT_EQ(LastStatus().state, arm_status_t::RESTING);
   EXPECT_LT((LastPose().translation() - View(90.0, 60.0).translation()).norm(), 1e-9);
+}
+
+TEST(SimArmNodeWithAHand, GoesWhereItsHandIsAskedToAndHidesTheCamera) {
+  TestBus bus;
+  int64_t steady_us = 0;
+  SimHandParameters hand;
+  hand.T_hand_camera =
+      Eigen::Translation3d(0.02, -0.05, 0.04) * Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX());
+  SimArmNode node(bus, SimArmParameters{}, hand, "XTION", [&steady_us] { return steady_us; });
+  ASSERT_TRUE(node.Subscribe().ok());
+  EXPECT_FALSE(bus.handlers.contains("NEXT_VIEW"));
+  const Pose camera = View(-60.0, 50.0);
+  const Pose T_base_hand = camera * hand.T_hand_camera.inverse(Eigen::Isometry);
+  bus.Send("NEXT_HAND_POSE", NextView(1, T_base_hand));
+  for (; steady_us < 5'000'000; steady_us += 5000, bus.now += 5000) node.Poll();
+  EXPECT_FALSE(bus.sent.contains("CAMERA_XTION_TO_WORLD"));
+  const auto hands = bus.Take<rigid_transform_t>("HAND_TO_BASE");
+  const auto cameras = bus.Take<rigid_transform_t>("SIM_CAMERA_XTION_TO_WORLD");
+  EXPECT_EQ(hands.size(), cameras.size());
+  EXPECT_NEAR(static_cast<double>(hands.size()), 500.0, 2.0);
+  EXPECT_TRUE(PoseFromMessage(hands.back())->isApprox(T_base_hand, 1e-9));
+  EXPECT_TRUE(PoseFromMessage(cameras.back())->isApprox(camera, 1e-9));
+  EXPECT_EQ(hands.back().utime, cameras.back().utime);
+  bus.Send("NEXT_HAND_POSE", NextView(2, Pose::Identity()));
+  EXPECT_EQ(bus.Take<arm_status_t>("ARM_STATUS").back().state, arm_status_t::REFUSED);
 }
 
 TEST(MakeSimArmNode, NamesAWrongKey) {
