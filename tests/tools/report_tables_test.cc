@@ -28,6 +28,7 @@ RunMetrics Metrics() {
       PoseError{4.0 * kDegree, 6.0 * kMm}, std::nullopt, PoseError{2.0 * kDegree, 1.0 * kMm}};
   found.fused = {
       std::nullopt, PoseError{4.0 * kDegree, 6.0 * kMm}, PoseError{0.5 * kDegree, 1.25 * kMm}};
+  found.refined = {std::nullopt, std::nullopt, PoseError{0.0625 * kDegree, 0.5 * kMm}};
   metrics.objects[1].model_id = "gear";
   return metrics;
 }
@@ -51,11 +52,17 @@ std::vector<std::vector<std::string>> Fields(const std::string& csv) {
 TEST(ErrorsCsv, HasARowForEachViewOfAnObject) {
   const auto rows = Fields(ErrorsCsv(Metrics()));
   ASSERT_EQ(rows.size(), 4U);
-  EXPECT_EQ(
-      rows[0],
-      (std::vector<std::string>{
-          "object", "instance", "view", "detected_deg", "detected_mm", "fused_deg", "fused_mm"}));
-  for (const auto& row : rows) EXPECT_EQ(row.size(), 7U);
+  EXPECT_EQ(rows[0],
+            (std::vector<std::string>{"object",
+                                      "instance",
+                                      "view",
+                                      "detected_deg",
+                                      "detected_mm",
+                                      "fused_deg",
+                                      "fused_mm",
+                                      "refined_deg",
+                                      "refined_mm"}));
+  for (const auto& row : rows) EXPECT_EQ(row.size(), 9U);
   EXPECT_EQ(rows[1][0], "mug");
   EXPECT_EQ(rows[1][1], "3");
   EXPECT_EQ(rows[1][2], "1");
@@ -66,6 +73,9 @@ TEST(ErrorsCsv, HasARowForEachViewOfAnObject) {
   EXPECT_EQ(rows[3][2], "3");
   EXPECT_NEAR(std::stod(rows[3][5]), 0.5, 1e-6);
   EXPECT_NEAR(std::stod(rows[3][6]), 1.25, 1e-6);
+  EXPECT_EQ(rows[2][7], "") << "not refined yet";
+  EXPECT_NEAR(std::stod(rows[3][7]), 0.0625, 1e-6);
+  EXPECT_NEAR(std::stod(rows[3][8]), 0.5, 1e-6);
 }
 
 TEST(ReportJson, ParsesAndTellsTheSame) {
@@ -86,6 +96,9 @@ TEST(ReportJson, ParsesAndTellsTheSame) {
   EXPECT_NEAR(mug["error"]["rotation_deg"], 0.5, 1e-9);
   EXPECT_NEAR(mug["error"]["position_mm"], 1.25, 1e-9);
   EXPECT_NEAR(mug["median_detection_deg"], 3.0, 1e-9);
+  EXPECT_NEAR(mug["refined_error"]["rotation_deg"], 0.0625, 1e-9);
+  EXPECT_TRUE(mug["views"][1]["refined"].is_null());
+  EXPECT_NEAR(mug["views"][2]["refined"]["position_mm"], 0.5, 1e-9);
   ASSERT_EQ(mug["views"].size(), 3U);
   EXPECT_TRUE(mug["views"][0]["fused"].is_null());
   EXPECT_NEAR(mug["views"][1]["fused"]["rotation_deg"], 4.0, 1e-9);
@@ -126,6 +139,7 @@ TEST(SummaryTable, TellsWhatWasFoundAndWhatNot) {
   for (const char* part : {"mug",
                            "0.50",
                            "1.25",
+                           "0.062",
                            "4.5",
                            "(not found)",
                            "duck 8",
@@ -143,7 +157,8 @@ TEST(ViewTable, HasALineForEachViewOfAFoundObject) {
   const std::string table = ViewTable(Metrics());
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 4);
   EXPECT_NE(
-      table.find("    3 mug                       2.00           1.00         0.50        1.25"),
+      table.find("    3 mug                       2.00           1.00         0.50        1.25"
+                 "          0.062          0.50"),
       std::string::npos)
       << table;
 }

@@ -59,6 +59,14 @@ Result<std::string> ErrorFigure(const RunMetrics& metrics, const std::vector<Rgb
                  color.c_str(),
                  object.model_id.c_str());
     }
+    if (HasErrors(object.refined)) {
+      AppendData(Format("refined%zu", i), object.refined, &script);
+      plots += Format(
+          "%s$refined%zu using 1:2 with linespoints pt 9 ps 0.7 lw 1.5 dt 2 lc rgb '%s' notitle",
+          plots.empty() ? "" : ", ",
+          i,
+          color.c_str());
+    }
   }
   if (plots.empty()) return std::string();
   script += Format("set xtics %zu\nset xrange [1:%zu]\nplot %s\n",

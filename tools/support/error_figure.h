@@ -9,8 +9,8 @@
 
 namespace vantage {
 
-/// Error by view as SVG: every object's fused estimate as a line, the views' own detections as
-/// circles of the same color; degrees, logarithmic; empty when no error is known. Errors as
+/// Error by view as SVG: every object's fused estimate as a line, its refined pose as a dashed
+/// one, the views' own detections as circles of the same color; degrees, logarithmic; empty when no error is known. Errors as
 /// RunGnuplot.
 /// @param colors of metrics.objects.
 Result<std::string> ErrorFigure(const RunMetrics& metrics, const std::vector<Rgb>& colors);

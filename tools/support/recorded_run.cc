@@ -145,4 +145,11 @@ std::optional<Pose> EstimatedPose(const object_estimate_v3_t& object) {
   return *pose;
 }
 
+std::optional<Pose> RefinedPose(const object_estimate_v3_t& object) {
+  if (object.refinement != object_estimate_v3_t::REFINED) return std::nullopt;
+  const Result<Pose> pose = PoseFromWire(object.refined_trans, object.refined_quat);
+  if (!pose) return std::nullopt;
+  return *pose;
+}
+
 }  // namespace vantage

@@ -45,4 +45,7 @@ Result<RecordedRun> ReadRun(const std::filesystem::path& log, const std::string&
 /// T_world_object of the first peak of an estimate; nothing when it has none or it is invalid.
 std::optional<Pose> EstimatedPose(const object_estimate_v3_t& object);
 
+/// T_world_object refined on the depth of all views; nothing when it was not or it is invalid.
+std::optional<Pose> RefinedPose(const object_estimate_v3_t& object);
+
 }  // namespace vantage

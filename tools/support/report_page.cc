@@ -66,13 +66,16 @@ std::string Cell(const std::optional<PoseError>& error, bool angle) {
 std::string Summary(const RecordedRun& run, const RunMetrics& metrics, const ReportLimits& limits) {
   std::string html =
       "<div class=\"card\"><table><tr><th>object</th><th>error</th><th>position error</th>"
-      "<th>median single view</th><th>views</th><th>seconds</th></tr>";
+      "<th>refined</th><th>refined position</th><th>median single "
+      "view</th><th>views</th><th>seconds</th></tr>";
   for (const ObjectHistory& object : metrics.objects) {
     const std::optional<PoseError> error = object.final_error();
     const std::optional<double> median = object.median_detection_angle();
     html += "<tr><td>" + Dot(run, object.instance) + EscapeHtml(object.model_id);
     if (!object.instance) html += " <span class=\"missed\">not found</span>";
-    html += "</td>" + Cell(error, true) + Cell(error, false);
+    const std::optional<PoseError> refined = object.final_refined_error();
+    html += "</td>" + Cell(error, true) + Cell(error, false) + Cell(refined, true) +
+            Cell(refined, false);
     html += median ? Format("<td>%.2f°</td>", *median / kDegree) : std::string("<td>–</td>");
     html += Format("<td>%d</td><td>%.1f</td></tr>", object.num_views, object.seconds);
   }
@@ -117,12 +120,14 @@ Result<std::string> ViewCard(const RecordedRun& run,
                  view.next_view.reason.empty()
                      ? ""
                      : EscapeHtml("Then: " + view.next_view.reason + ".").c_str());
-  html += "<table><tr><th></th><th>alone</th><th>fused</th><th></th></tr>";
+  html += "<table><tr><th></th><th>alone</th><th>fused</th><th></th><th>refined</th></tr>";
   for (const ObjectHistory& object : metrics.objects) {
     if (index >= object.fused.size()) continue;
     html += "<tr><td>" + Dot(run, object.instance) + EscapeHtml(object.model_id) + "</td>" +
             Cell(object.detected[index], true) + Cell(object.fused[index], true) +
-            Cell(object.fused[index], false) + "</tr>";
+            Cell(object.fused[index], false) +
+            Cell(index < object.refined.size() ? object.refined[index] : std::nullopt, true) +
+            "</tr>";
   }
   html += "</table>";
   const Result<std::string> choice = ViewChoice(view.next_view, index);
@@ -204,8 +209,8 @@ Result<std::string> ReportPage(const std::string& title,
           "<h2>Error by view</h2><figure class=\"card\"><img class=\"wide\" alt=\"error by view\" "
           "src=\"" +
           DataUri("image/svg+xml", *figure) +
-          "\"><figcaption>Circles: what a view says by itself. Lines: all views so far, fused."
-          "</figcaption></figure>";
+          "\"><figcaption>Circles: what a view says by itself. Lines: all views so far, fused. "
+          "Dashed: refined on the depth of all of them.</figcaption></figure>";
     }
   }
   const Result<std::string> histograms = Histograms(run, metrics);

@@ -26,7 +26,7 @@ Result<std::string> ReportPage(const std::string& title,
 std::string SummaryTable(const RunMetrics& metrics, const ReportLimits& limits);
 /// Each view's own error and the fused one, for a terminal.
 std::string ViewTable(const RunMetrics& metrics);
-/// object,instance,view,detected_deg,detected_mm,fused_deg,fused_mm
+/// object,instance,view,detected_deg,detected_mm,fused_deg,fused_mm,refined_deg,refined_mm
 std::string ErrorsCsv(const RunMetrics& metrics);
 /// The same with the summary, as JSON.
 std::string ReportJson(const RunMetrics& metrics, const ReportLimits& limits);

@@ -15,6 +15,11 @@ std::string Distance(const std::optional<PoseError>& error, int digits) {
   return error ? Format("%.*f", digits, 1e3 * error->distance) : "";
 }
 
+// A run of before refinement has none.
+std::optional<PoseError> RefinedAt(const ObjectHistory& object, size_t view) {
+  return view < object.refined.size() ? object.refined[view] : std::nullopt;
+}
+
 nlohmann::json Json(const std::optional<PoseError>& error) {
   if (!error) return nullptr;
   return {{"rotation_deg", error->angle / kDegree}, {"position_mm", 1e3 * error->distance}};
@@ -23,21 +28,26 @@ nlohmann::json Json(const std::optional<PoseError>& error) {
 }  // namespace
 
 std::string SummaryTable(const RunMetrics& metrics, const ReportLimits& limits) {
-  std::string table = Format("%-14s %8s %11s %11s %7s %9s\n",
+  std::string table = Format("%-14s %8s %11s %11s %13s %12s %7s %9s\n",
                              "object",
                              "instance",
                              "error (deg)",
                              "error (mm)",
+                             "refined (deg)",
+                             "refined (mm)",
                              "views",
                              "seconds");
   for (const ObjectHistory& object : metrics.objects) {
     const std::optional<PoseError> error = object.final_error();
+    const std::optional<PoseError> refined = object.final_refined_error();
     table +=
-        Format("%-14s %8s %11s %11s %7d %9.1f%s\n",
+        Format("%-14s %8s %11s %11s %13s %12s %7d %9.1f%s\n",
                object.model_id.c_str(),
                object.instance ? std::to_string(*object.instance).c_str() : "-",
                error ? Angle(error, 2).c_str() : "-",
                error ? Distance(error, 2).c_str() : "-",
+               refined ? Angle(refined, 3).c_str() : "-",
+               refined ? Distance(refined, 2).c_str() : "-",
                object.num_views,
                object.seconds,
                object.instance ? (object.converged ? "" : "  (not converged)") : "  (not found)");
@@ -63,42 +73,49 @@ std::string SummaryTable(const RunMetrics& metrics, const ReportLimits& limits) 
 }
 
 std::string ViewTable(const RunMetrics& metrics) {
-  std::string table = Format("%5s %-14s %15s %14s %12s %11s\n",
+  std::string table = Format("%5s %-14s %15s %14s %12s %11s %14s %13s\n",
                              "view",
                              "object",
                              "detected (deg)",
                              "detected (mm)",
                              "fused (deg)",
-                             "fused (mm)");
+                             "fused (mm)",
+                             "refined (deg)",
+                             "refined (mm)");
   size_t views = 0;
   for (const ObjectHistory& object : metrics.objects) views = std::max(views, object.fused.size());
   for (size_t view = 0; view < views; ++view) {
     for (const ObjectHistory& object : metrics.objects) {
       if (view >= object.fused.size()) continue;
-      table += Format("%5zu %-14s %15s %14s %12s %11s\n",
+      table += Format("%5zu %-14s %15s %14s %12s %11s %14s %13s\n",
                       view + 1,
                       object.model_id.c_str(),
                       Angle(object.detected[view], 2).c_str(),
                       Distance(object.detected[view], 2).c_str(),
                       Angle(object.fused[view], 2).c_str(),
-                      Distance(object.fused[view], 2).c_str());
+                      Distance(object.fused[view], 2).c_str(),
+                      Angle(RefinedAt(object, view), 3).c_str(),
+                      Distance(RefinedAt(object, view), 2).c_str());
     }
   }
   return table;
 }
 
 std::string ErrorsCsv(const RunMetrics& metrics) {
-  std::string csv = "object,instance,view,detected_deg,detected_mm,fused_deg,fused_mm\n";
+  std::string csv =
+      "object,instance,view,detected_deg,detected_mm,fused_deg,fused_mm,refined_deg,refined_mm\n";
   for (const ObjectHistory& object : metrics.objects) {
     for (size_t view = 0; view < object.fused.size(); ++view) {
-      csv += Format("%s,%d,%zu,%s,%s,%s,%s\n",
+      csv += Format("%s,%d,%zu,%s,%s,%s,%s,%s,%s\n",
                     object.model_id.c_str(),
                     object.instance.value_or(-1),
                     view + 1,
                     Angle(object.detected[view], 6).c_str(),
                     Distance(object.detected[view], 6).c_str(),
                     Angle(object.fused[view], 6).c_str(),
-                    Distance(object.fused[view], 6).c_str());
+                    Distance(object.fused[view], 6).c_str(),
+                    Angle(RefinedAt(object, view), 6).c_str(),
+                    Distance(RefinedAt(object, view), 6).c_str());
     }
   }
   return csv;
@@ -109,13 +126,16 @@ std::string ReportJson(const RunMetrics& metrics, const ReportLimits& limits) {
   for (const ObjectHistory& object : metrics.objects) {
     nlohmann::json views = nlohmann::json::array();
     for (size_t i = 0; i < object.fused.size(); ++i) {
-      views.push_back({{"detected", Json(object.detected[i])}, {"fused", Json(object.fused[i])}});
+      views.push_back({{"detected", Json(object.detected[i])},
+                       {"fused", Json(object.fused[i])},
+                       {"refined", Json(RefinedAt(object, i))}});
     }
     const std::optional<double> median = object.median_detection_angle();
     objects.push_back(
         {{"model", object.model_id},
          {"instance", object.instance ? nlohmann::json(*object.instance) : nlohmann::json(nullptr)},
          {"error", Json(object.final_error())},
+         {"refined_error", Json(object.final_refined_error())},
          {"median_detection_deg",
           median ? nlohmann::json(*median / kDegree) : nlohmann::json(nullptr)},
          {"num_views", object.num_views},

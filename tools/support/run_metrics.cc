@@ -25,6 +25,7 @@ void FollowInstance(const RecordedRun& run,
     if (start_utime == 0) start_utime = view.utime;
     std::optional<PoseError> detected;
     std::optional<PoseError> fused;
+    std::optional<PoseError> refined;
     if (const auto found = view.detections.find(*history->instance);
         truth && found != view.detections.end()) {
       detected = ErrorOf(model, found->second, *truth);
@@ -32,6 +33,8 @@ void FollowInstance(const RecordedRun& run,
     if (const object_estimate_v3_t* object = FindInstance(view.objects, *history->instance)) {
       const std::optional<Pose> pose = EstimatedPose(*object);
       if (truth && pose) fused = ErrorOf(model, *pose, *truth);
+      const std::optional<Pose> refined_pose = RefinedPose(*object);
+      if (truth && refined_pose) refined = ErrorOf(model, *refined_pose, *truth);
       if (!history->converged) {
         history->converged = object->converged != 0;
         if (view.utime != 0) {
@@ -42,6 +45,7 @@ void FollowInstance(const RecordedRun& run,
     }
     history->detected.push_back(detected);
     history->fused.push_back(fused);
+    history->refined.push_back(refined);
   }
 }
 
@@ -60,6 +64,10 @@ PoseError ErrorOf(const ObjectModel& model,
 
 std::optional<PoseError> ObjectHistory::final_error() const {
   return fused.empty() ? std::nullopt : fused.back();
+}
+
+std::optional<PoseError> ObjectHistory::final_refined_error() const {
+  return refined.empty() ? std::nullopt : refined.back();
 }
 
 std::optional<double> ObjectHistory::median_detection_angle() const {

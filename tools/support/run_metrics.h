@@ -30,9 +30,12 @@ struct ObjectHistory {
   bool converged = false;
   std::vector<std::optional<PoseError>> detected;  ///< by viewpoint, of that view alone
   std::vector<std::optional<PoseError>> fused;     ///< by viewpoint, of all views so far
+  std::vector<std::optional<PoseError>> refined;   ///< by viewpoint, on the depth of all of them
 
   /// After the last view; absent without truth or estimate.
   [[nodiscard]] std::optional<PoseError> final_error() const;
+  /// The same of the refined pose.
+  [[nodiscard]] std::optional<PoseError> final_refined_error() const;
   /// rad, the median error of the single detections; absent without any.
   [[nodiscard]] std::optional<double> median_detection_angle() const;
 };
