@@ -168,23 +168,26 @@ class Search {
     if (const auto solution = SolvePark(sample)) Consider(*solution);
   }
 
-  /// The largest distance of a view that agrees: the core's, as that of a chi-square distribution
-  /// with a noise of its own (Rousseeuw, Leroy, Eq. 1.3 of chapter 5, for 6 degrees of freedom).
-  [[nodiscard]] double LargestDistance() const {
+  /// The noise by what is expected: the core's size as that of a chi-square distribution with 6
+  /// degrees of freedom (after Rousseeuw, Leroy, chapter 5, Eq. 1.3).
+  [[nodiscard]] double SquaredScale() const {
     const boost::math::chi_squared_distribution<double> distribution(6.0);
     const double n = static_cast<double>(views_.size());
     const double share = std::min(0.9, static_cast<double>(core_size_) / n);
     const double small_sample = 1.0 + 5.0 / std::max(1.0, n - 2.0);
     const double squared_scale =
         small_sample * small_sample * best_cost_ / boost::math::quantile(distribution, share);
-    return std::max(squared_scale, kLeastScale * kLeastScale) *
-           boost::math::quantile(distribution, kKeptShare);
+    return std::max(squared_scale, kLeastScale * kLeastScale);
   }
 
   /// All closed forms on the views that agree; those that agree with the best of them; and so on.
   Consensus Refit() {
-    const double largest = LargestDistance();
-    Consensus consensus{best_.T_x, best_.T_y, {}, ClosedForms().front().name};
+    const double squared_scale = SquaredScale();
+    const double largest =
+        squared_scale *
+        boost::math::quantile(boost::math::chi_squared_distribution<double>(6.0), kKeptShare);
+    Consensus consensus{
+        best_.T_x, best_.T_y, {}, ClosedForms().front().name, std::sqrt(squared_scale)};
     Measure(best_, &measured_);
     consensus.chosen = Within(measured_, largest);
     double best_cost = TruncatedCost(largest);
@@ -198,7 +201,11 @@ class Search {
         const double cost = TruncatedCost(largest);
         if (!(cost < best_cost)) continue;
         best_cost = cost;
-        consensus = {solution->T_x, solution->T_y, Within(measured_, largest), form.name};
+        consensus = {solution->T_x,
+                     solution->T_y,
+                     Within(measured_, largest),
+                     form.name,
+                     consensus.noise_scale};
       }
       if (best_cost == cost_before) break;
     }

@@ -17,7 +17,8 @@ struct Consensus {
   /// Of each view, which of its poses agrees: 0 T_camera_target, i > 0 other_T_camera_target[i -
   /// 1], -1 none.
   std::vector<int> chosen;
-  std::string method;  ///< closed form with the least residual
+  std::string method;        ///< closed form with the least residual
+  double noise_scale = 1.0;  ///< of HandEyeNoise, as the views that agree best say
 };
 
 /// Draws small subsets of views (also of their other poses), solves each in closed form, and keeps

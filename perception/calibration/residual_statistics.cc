@@ -1,0 +1,143 @@
+#include "perception/calibration/residual_statistics.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+
+namespace vantage {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// Chance that a set of views without outliers loses any.
+constexpr double kFalseAlarms = 0.01;
+/// Chance that rotations and translations of equal scale are told apart.
+constexpr double kFalseSplits = 0.01;
+/// What is known less well than this counts as not known: 10 m, 1000 deg, 10 s.
+constexpr double kLeastInformation = 1e-8;
+constexpr double kLeastRelativeInformation = 1e-15;
+/// Residuals without any noise still have a scale.
+constexpr double kLeastSum = 1e-18;
+
+double FisherQuantile(double freedom_1, double freedom_2, double probability) {
+  return boost::math::quantile(boost::math::fisher_f_distribution<double>(freedom_1, freedom_2),
+                               probability);
+}
+
+/// 0.1 deg, 1 mm, a thousandth of scale, 1 ms.
+Eigen::VectorXd Units(Eigen::Index size) {
+  Eigen::VectorXd units = Eigen::VectorXd::Constant(size, 1e-3);
+  units.segment<3>(0).setConstant(0.1 * kDegree);
+  units.segment<3>(6).setConstant(0.1 * kDegree);
+  return units;
+}
+
+Eigen::Index RowOf(size_t view) { return 6 * static_cast<Eigen::Index>(view); }
+
+/// A scale of rotations and one of translations; the same for both unless they differ by more than
+/// chance (analysis of variance by Fisher's ratio).
+void SetScales(double rotation_sum, double translation_sum, ResidualStatistics* statistics) {
+  const double freedom = statistics->rotation_freedom + statistics->translation_freedom;
+  const double least = std::min(statistics->rotation_freedom, statistics->translation_freedom);
+  const double common = freedom < 0.5 ? 1.0 : (rotation_sum + translation_sum) / freedom;
+  double rotation = common;
+  double translation = common;
+  if (least >= 1.0) {
+    const double own_rotation = rotation_sum / statistics->rotation_freedom;
+    const double own_translation = translation_sum / statistics->translation_freedom;
+    const double ratio = own_rotation / own_translation;
+    const double limit_above = FisherQuantile(
+        statistics->rotation_freedom, statistics->translation_freedom, 1.0 - 0.5 * kFalseSplits);
+    const double limit_below = FisherQuantile(
+        statistics->rotation_freedom, statistics->translation_freedom, 0.5 * kFalseSplits);
+    if (ratio > limit_above || ratio < limit_below) {
+      rotation = own_rotation;
+      translation = own_translation;
+    }
+  }
+  statistics->rotation_scale = std::sqrt(rotation);
+  statistics->translation_scale = std::sqrt(translation);
+}
+
+}  // namespace
+
+Eigen::MatrixXd CovarianceOf(const Eigen::MatrixXd& information) {
+  const Eigen::VectorXd units = Units(information.rows());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(units.asDiagonal() * information *
+                                                             units.asDiagonal());
+  const double least =
+      std::max(kLeastInformation, kLeastRelativeInformation * eigen.eigenvalues().maxCoeff());
+  const Eigen::MatrixXd vectors = units.asDiagonal() * eigen.eigenvectors();
+  return vectors * eigen.eigenvalues().cwiseMax(least).cwiseInverse().asDiagonal() *
+         vectors.transpose();
+}
+
+ResidualStatistics EvaluateResiduals(const AdjustmentLinearization& linearization,
+                                     const std::vector<bool>& uses) {
+  ResidualStatistics statistics;
+  const Eigen::MatrixXd& jacobian = linearization.jacobian;
+  statistics.information = Eigen::MatrixXd::Zero(jacobian.cols(), jacobian.cols());
+  for (size_t i = 0; i < uses.size(); ++i) {
+    if (!uses[i]) continue;
+    const auto rows = jacobian.middleRows<6>(RowOf(i));
+    statistics.information.noalias() += rows.transpose() * rows;
+  }
+  statistics.covariance = CovarianceOf(statistics.information);
+
+  // What the estimate takes from each residual: the hat matrix's blocks on the diagonal.
+  std::vector<Matrix6d> hat(uses.size());
+  double rotation_sum = kLeastSum;
+  double translation_sum = kLeastSum;
+  for (size_t i = 0; i < uses.size(); ++i) {
+    const auto rows = jacobian.middleRows<6>(RowOf(i));
+    hat[i] = rows * statistics.covariance * rows.transpose();
+    if (!uses[i]) continue;
+    const Vector6d residual = linearization.residuals.segment<6>(RowOf(i));
+    rotation_sum += residual.head<3>().squaredNorm();
+    translation_sum += residual.tail<3>().squaredNorm();
+    statistics.rotation_freedom += 3.0 - hat[i].topLeftCorner<3, 3>().trace();
+    statistics.translation_freedom += 3.0 - hat[i].bottomRightCorner<3, 3>().trace();
+  }
+  SetScales(rotation_sum, translation_sum, &statistics);
+
+  // Studentized residuals, of the views used by what the others say (Cook, Weisberg, "Residuals and
+  // Influence in Regression", 1982, section 2.2).
+  Vector6d by_scale;
+  by_scale << Eigen::Vector3d::Constant(1.0 / statistics.rotation_scale),
+      Eigen::Vector3d::Constant(1.0 / statistics.translation_scale);
+  const double freedom = statistics.rotation_freedom + statistics.translation_freedom;
+  const double chance = kFalseAlarms / static_cast<double>(uses.size());
+  statistics.is_outlier.assign(uses.size(), false);
+  if (freedom < 6.5) return statistics;  // Too few to tell.
+  const double limit_inside = FisherQuantile(6.0, freedom - 6.0, 1.0 - chance);
+  const double limit_outside = FisherQuantile(6.0, freedom, 1.0 - chance);
+  for (size_t i = 0; i < uses.size(); ++i) {
+    const Vector6d residual = by_scale.cwiseProduct(linearization.residuals.segment<6>(RowOf(i)));
+    if (uses[i]) {
+      const Matrix6d left = Matrix6d::Identity() - hat[i];
+      const double squared = residual.dot(left.ldlt().solve(residual));
+      // A view that takes almost all that there is of a direction can't be told from the others.
+      if (left.determinant() < 1e-6) continue;
+      const double rest = std::max(freedom - squared, 1e-9) / (freedom - 6.0);
+      statistics.is_outlier[i] = squared / 6.0 > limit_inside * rest;
+    } else {
+      const Matrix6d spread = Matrix6d::Identity() + hat[i];
+      statistics.is_outlier[i] = residual.dot(spread.ldlt().solve(residual)) / 6.0 > limit_outside;
+    }
+  }
+  return statistics;
+}
+
+Eigen::VectorXd StepWithout(const AdjustmentLinearization& linearization,
+                            const ResidualStatistics& statistics,
+                            size_t view) {
+  const auto rows = linearization.jacobian.middleRows<6>(RowOf(view));
+  const Vector6d residual = linearization.residuals.segment<6>(RowOf(view));
+  const Eigen::MatrixXd information = statistics.information - rows.transpose() * rows;
+  return CovarianceOf(information) * (rows.transpose() * residual);
+}
+
+}  // namespace vantage
