@@ -92,6 +92,7 @@ struct HandEyeResult {
   /// axes of hand or base. Scaled by the residuals.
   HandEyeCovariance covariance = HandEyeCovariance::Zero();
   HandEyeCovariance target_covariance = HandEyeCovariance::Zero();  ///< of Y, alike
+  HandEyeCovariance cross_covariance = HandEyeCovariance::Zero();   ///< of X's errors with Y's
   /// The square of the 95 % ellipsoid's radius: error^T covariance^-1 error, with regard to how
   /// many residuals the scale rests on.
   double squared_radius_95 = 12.592;
