@@ -362,17 +362,19 @@ std::vector<std::string> Warnings(std::span<const PoseView> views, InputSource s
   constexpr double kMost = 0.9;
   const double share = ShareInFront(views, GivenTarget);
   if (source == InputSource::kPosesAndImages || share > kFew) return {};
-  std::string guess;
-  if (ShareInFront(views, InvertedTarget) > kMost) {
-    guess = ": are robot and camera poses both inverted?";
-  } else if (ShareInFront(views, [](const PoseView& view) { return view.T_base_hand; }) > kMost) {
-    guess = ": are the columns of robot and camera exchanged?";
-  }
+  const bool inverted = ShareInFront(views, InvertedTarget) > kMost;
+  const bool exchanged =
+      ShareInFront(views, [](const PoseView& view) { return view.T_base_hand; }) > kMost;
+  const char* guess = inverted && exchanged
+                          ? ": are robot and camera poses exchanged, or both inverted?"
+                      : inverted  ? ": are robot and camera poses both inverted?"
+                      : exchanged ? ": are robot and camera poses exchanged?"
+                                  : "";
   return {
       Format("in %.0f %% of the views the target is not in front of the camera, along its z "
              "axis, although the poses fit together%s",
              100.0 * (1.0 - share),
-             guess.c_str())};
+             guess)};
 }
 
 std::string ResidualText(const InputResidual& residual) {
