@@ -90,10 +90,12 @@ std::vector<NextPose> RankNextPoses(const HandEyeResult& calibration,
   Covariance12 before;
   before << calibration.covariance, calibration.cross_covariance,
       calibration.cross_covariance.transpose(), calibration.target_covariance;
-  const AdjustmentProblem problem{.setup = calibration.setup,
-                                  .noise = {.robot_rotation = noise.robot_rotation,
-                                            .robot_translation = noise.robot_translation}};
-  const AdjustmentState state{.transforms = {calibration.T_x, calibration.T_y}};
+  AdjustmentProblem problem;
+  problem.setup = calibration.setup;
+  problem.noise.robot_rotation = noise.robot_rotation;
+  problem.noise.robot_translation = noise.robot_translation;
+  AdjustmentState state;
+  state.transforms = {calibration.T_x, calibration.T_y};
   std::vector<NextPose> ranked;
   for (size_t i = 0; i < T_base_hand_candidates.size(); ++i) {
     const Pose& T_base_hand = T_base_hand_candidates[i];

@@ -57,10 +57,12 @@ AdjustmentView ViewFrom(const Cell& cell, const Pose& T_base_hand) {
 
 /// What a view tells of X and Y, by differences of the residual.
 Matrix12 Information(const Cell& cell, const AdjustmentView& view) {
-  const AdjustmentProblem problem{.setup = cell.setup,
-                                  .noise = {.robot_rotation = kNoise.robot_rotation,
-                                            .robot_translation = kNoise.robot_translation}};
-  const AdjustmentState state{.transforms = {cell.T_x, cell.T_y}};
+  AdjustmentProblem problem;
+  problem.setup = cell.setup;
+  problem.noise.robot_rotation = kNoise.robot_rotation;
+  problem.noise.robot_translation = kNoise.robot_translation;
+  AdjustmentState state;
+  state.transforms = {cell.T_x, cell.T_y};
   Eigen::Matrix<double, 6, 12> J;
   for (int i = 0; i < 12; ++i) {
     const double step = 1e-6;
