@@ -158,8 +158,8 @@ HandEyeCovariance ViewErrorCovariance(const AdjustmentProblem& problem,
   const Vector3d lever = problem.setup == HandEyeSetup::kEyeInHand ? t - A.translation() : t;
   Matrix3d cross;
   cross << 0.0, -lever.z(), lever.y(), lever.z(), 0.0, -lever.x(), -lever.y(), lever.x(), 0.0;
-  const double rotation = noise.rotation_scale * noise.robot_rotation;
-  const double translation = noise.translation_scale * noise.robot_translation;
+  const double rotation = noise.scales.rotation * noise.robot_rotation;
+  const double translation = noise.scales.translation * noise.robot_translation;
   HandEyeCovariance covariance = HandEyeCovariance::Zero();
   covariance.topLeftCorner<3, 3>() = rotation * rotation * Matrix3d::Identity();
   covariance.topRightCorner<3, 3>() = rotation * rotation * cross;
@@ -169,8 +169,8 @@ HandEyeCovariance ViewErrorCovariance(const AdjustmentProblem& problem,
 
   HandEyeCovariance turn = HandEyeCovariance::Zero();
   const Matrix3d R = A.linear() * state.transforms.T_x.linear();
-  turn.topLeftCorner<3, 3>() = noise.rotation_scale * R;
-  turn.bottomRightCorner<3, 3>() = noise.translation_scale * R;
+  turn.topLeftCorner<3, 3>() = noise.scales.rotation * R;
+  turn.bottomRightCorner<3, 3>() = noise.scales.translation * R;
   return covariance + turn * view.camera_covariance * turn.transpose();
 }
 

@@ -26,14 +26,18 @@ struct AdjustmentState {
   double time_offset = 0.0;  ///< s, from the time that T_base_hand is of
 };
 
+/// By how much all rotations and all translations are noisier than robot and camera claim.
+struct ResidualScales {
+  double rotation = 1.0;
+  double translation = 1.0;
+};
+
 /// How views are weighed. The robot's error is a rotation about the hand's origin and a translation
 /// of it, alike in all directions.
 struct AdjustmentNoise {
   double robot_rotation = 0.0;     ///< rad
   double robot_translation = 0.0;  ///< m
-  /// All rotations and all translations are this much noisier than robot and camera claim.
-  double rotation_scale = 1.0;
-  double translation_scale = 1.0;
+  ResidualScales scales;
 };
 
 struct AdjustmentProblem {

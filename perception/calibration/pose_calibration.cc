@@ -27,6 +27,7 @@ constexpr double kScaleTolerance = 0.01;
 constexpr double kLeastScale = 1e-6;
 constexpr double kLargestTranslation = 1e6;  // m
 constexpr double kRotationTolerance = 1e-3;
+constexpr double kOutlierSpread = 30.0;
 /// Half of the time over which the hand's velocity is taken.
 constexpr double kVelocityStep = 0.01;  // s
 /// Offsets that are tried first: +- 0.5 s.
@@ -106,6 +107,10 @@ HandEyeCovariance CameraCovariance(const PoseView& view, const HandEyeNoise& noi
   return sigma.cwiseAbs2().asDiagonal();
 }
 
+bool HasChanged(double scale, double before) {
+  return std::abs(scale - before) > kScaleTolerance * before;
+}
+
 /// Hands at utime + offset; those of times that the trajectory does not have are left out.
 std::vector<PoseView> ViewsAt(std::span<const PoseView> views,
                               const HandTrajectory& trajectory,
@@ -132,8 +137,7 @@ class Calibrator {
     problem_.setup = setup;
     problem_.noise = {options.noise.robot_rotation,
                       options.noise.robot_translation,
-                      consensus.noise_scale,
-                      consensus.noise_scale};
+                      {consensus.noise_scale, consensus.noise_scale}};
     problem_.estimates_robot_scale = options.estimate_robot_scale;
     problem_.estimates_time_offset = options.trajectory != nullptr;
     state_.transforms = {consensus.T_x, consensus.T_y};
@@ -152,12 +156,62 @@ class Calibrator {
     if (problem_.estimates_time_offset) MoveHands(time_offset);
   }
 
-  HandEyeResult Run() {
+  /// Takes outliers that are not far off for good views until the residuals say otherwise; whether
+  /// there are any.
+  bool Readmit() {
+    bool has_any = false;
+    for (size_t i = 0; i < views_.size(); ++i) {
+      if (chosen_[i] >= 0 || ChooseClosest(i) > 6.0 * kOutlierSpread * kOutlierSpread) continue;
+      chosen_[i] = closest_[i];
+      has_any = true;
+    }
+    return has_any;
+  }
+
+  /// Adjusts and renews scales and outliers in turn until they stay.
+  void Settle() {
     for (int round = 0; round < kMostRounds; ++round) {
       Adjust();
-      if (!Reconsider()) break;
+      if (!Reconsider()) return;
     }
-    return Finish();
+  }
+
+  /// -2 log likelihood but for a constant, where each outlier's error is spread over kOutlierSpread
+  /// times the noise.
+  [[nodiscard]] double Score() const {
+    const auto outliers = static_cast<double>(std::count(chosen_.begin(), chosen_.end(), -1));
+    const double freedom = 3.0 * static_cast<double>(views_.size()) - 6.0;
+    return 2.0 * freedom *
+               (std::log(problem_.noise.scales.rotation) +
+                std::log(problem_.noise.scales.translation)) +
+           12.0 * std::log(kOutlierSpread) * outliers;
+  }
+
+  HandEyeResult Finish() {
+    linearization_ = Linearize(problem_, adjustment_, state_);
+    statistics_ = EvaluateResiduals(linearization_, Uses(), problem_.noise.scales);
+    HandEyeResult result;
+    result.setup = problem_.setup;
+    result.T_x = state_.transforms.T_x;
+    result.T_y = state_.transforms.T_y;
+    result.covariance = statistics_.covariance.block<6, 6>(0, 0);
+    result.target_covariance = statistics_.covariance.block<6, 6>(6, 6);
+    result.cross_covariance = statistics_.covariance.block<6, 6>(0, 6);
+    result.initial_method = method_;
+    SetScale(&result);
+    SetViews(&result);
+    SetObservability(&result);
+    Eigen::Index next = 12;
+    if (problem_.estimates_robot_scale) {
+      result.robot_scale = state_.robot_scale;
+      result.robot_scale_sigma = std::sqrt(statistics_.covariance(next, next));
+      ++next;
+    }
+    if (problem_.estimates_time_offset) {
+      result.time_offset = total_offset_;
+      result.time_offset_sigma = std::sqrt(statistics_.covariance(next, next));
+    }
+    return result;
   }
 
  private:
@@ -214,13 +268,13 @@ class Calibrator {
     std::vector<bool> uses = Uses();
     for (size_t i = 0; i < views_.size(); ++i) ChooseClosest(i);
     linearization_ = Linearize(problem_, adjustment_, state_);
-    statistics_ = EvaluateResiduals(linearization_, uses);
-    AdjustmentNoise& noise = problem_.noise;
-    noise.rotation_scale = std::max(kLeastScale, noise.rotation_scale * statistics_.rotation_scale);
-    noise.translation_scale =
-        std::max(kLeastScale, noise.translation_scale * statistics_.translation_scale);
-    bool has_changed = has_moved_ || std::abs(statistics_.rotation_scale - 1.0) > kScaleTolerance ||
-                       std::abs(statistics_.translation_scale - 1.0) > kScaleTolerance;
+    const ResidualScales before = problem_.noise.scales;
+    statistics_ = EvaluateResiduals(linearization_, uses, before);
+    ResidualScales& scales = problem_.noise.scales;
+    scales = {std::max(kLeastScale, statistics_.scales.rotation),
+              std::max(kLeastScale, statistics_.scales.translation)};
+    bool has_changed = has_moved_ || HasChanged(scales.rotation, before.rotation) ||
+                       HasChanged(scales.translation, before.translation);
     const auto num_kept =
         std::count(statistics_.is_outlier.begin(), statistics_.is_outlier.end(), false);
     if (num_kept < static_cast<int64_t>(kFewestViews)) return false;
@@ -232,8 +286,9 @@ class Calibrator {
     return has_changed;
   }
 
-  /// The pose of a view that the present estimate likes best.
-  void ChooseClosest(size_t view) {
+  /// Takes the pose of a view that the present estimate likes best, an outlier stays one.
+  /// @return its squared deviation, 6 degrees of freedom.
+  double ChooseClosest(size_t view) {
     closest_.resize(views_.size(), 0);
     const bool is_used = chosen_[view] >= 0;
     int best = 0;
@@ -251,44 +306,18 @@ class Calibrator {
     Choose(view, best);
     closest_[view] = best;
     if (!is_used) chosen_[view] = -1;
-  }
-
-  HandEyeResult Finish() {
-    linearization_ = Linearize(problem_, adjustment_, state_);
-    statistics_ = EvaluateResiduals(linearization_, Uses());
-    HandEyeResult result;
-    result.setup = problem_.setup;
-    result.T_x = state_.transforms.T_x;
-    result.T_y = state_.transforms.T_y;
-    result.covariance = statistics_.covariance.block<6, 6>(0, 0);
-    result.target_covariance = statistics_.covariance.block<6, 6>(6, 6);
-    result.initial_method = method_;
-    SetScale(&result);
-    SetViews(&result);
-    SetObservability(&result);
-    Eigen::Index next = 12;
-    if (problem_.estimates_robot_scale) {
-      result.robot_scale = state_.robot_scale;
-      result.robot_scale_sigma = std::sqrt(statistics_.covariance(next, next));
-      ++next;
-    }
-    if (problem_.estimates_time_offset) {
-      result.time_offset = total_offset_;
-      result.time_offset_sigma = std::sqrt(statistics_.covariance(next, next));
-    }
-    return result;
+    return least;
   }
 
   void SetScale(HandEyeResult* result) const {
-    const AdjustmentNoise& noise = problem_.noise;
-    result->noise_scale = std::sqrt(0.5 * (noise.rotation_scale * noise.rotation_scale +
-                                           noise.translation_scale * noise.translation_scale));
+    const ResidualScales& scales = problem_.noise.scales;
+    result->noise_scale = std::sqrt(
+        0.5 * (scales.rotation * scales.rotation + scales.translation * scales.translation));
     const double rotation = statistics_.rotation_freedom;
     const double translation = statistics_.translation_freedom;
     // Of two scales the one that rests on less.
-    const double freedom = noise.rotation_scale == noise.translation_scale
-                               ? rotation + translation
-                               : std::min(rotation, translation);
+    const double freedom = scales.rotation == scales.translation ? rotation + translation
+                                                                 : std::min(rotation, translation);
     const boost::math::fisher_f_distribution<double> distribution(6.0, std::max(1.0, freedom));
     result->squared_radius_95 = 6.0 * boost::math::quantile(distribution, 0.95);
   }
@@ -403,9 +432,14 @@ Result<HandEyeResult> CalibrateFromPoses(HandEyeSetup setup,
   }
   Result<Start> start = FindStart(setup, &checked, options);
   if (!start) return start.error();
-  return Calibrator(
-             setup, std::move(checked), options, std::move(start->consensus), start->time_offset)
-      .Run();
+  Calibrator calibrator(
+      setup, std::move(checked), options, std::move(start->consensus), start->time_offset);
+  calibrator.Settle();
+  // Few views agree among themselves by chance: leaving out fewer may be as good.
+  Calibrator with_more = calibrator;
+  if (!with_more.Readmit()) return calibrator.Finish();
+  with_more.Settle();
+  return with_more.Score() < calibrator.Score() ? with_more.Finish() : calibrator.Finish();
 }
 
 }  // namespace vantage

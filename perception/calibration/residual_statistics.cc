@@ -37,29 +37,32 @@ Eigen::VectorXd Units(Eigen::Index size) {
 
 Eigen::Index RowOf(size_t view) { return 6 * static_cast<Eigen::Index>(view); }
 
-/// A scale of rotations and one of translations; the same for both unless they differ by more than
-/// chance (analysis of variance by Fisher's ratio).
-void SetScales(double rotation_sum, double translation_sum, ResidualStatistics* statistics) {
-  const double freedom = statistics->rotation_freedom + statistics->translation_freedom;
-  const double least = std::min(statistics->rotation_freedom, statistics->translation_freedom);
-  const double common = freedom < 0.5 ? 1.0 : (rotation_sum + translation_sum) / freedom;
-  double rotation = common;
-  double translation = common;
-  if (least >= 1.0) {
-    const double own_rotation = rotation_sum / statistics->rotation_freedom;
-    const double own_translation = translation_sum / statistics->translation_freedom;
-    const double ratio = own_rotation / own_translation;
-    const double limit_above = FisherQuantile(
-        statistics->rotation_freedom, statistics->translation_freedom, 1.0 - 0.5 * kFalseSplits);
-    const double limit_below = FisherQuantile(
-        statistics->rotation_freedom, statistics->translation_freedom, 0.5 * kFalseSplits);
-    if (ratio > limit_above || ratio < limit_below) {
-      rotation = own_rotation;
-      translation = own_translation;
+/// Scales by sums of squares of residuals that are whitened by `present` ones: the same for
+/// rotations and translations unless they differ by more than chance (Fisher's variance ratio).
+ResidualScales NewScales(const ResidualScales& present,
+                         double rotation_sum,
+                         double translation_sum,
+                         const ResidualStatistics& statistics) {
+  rotation_sum *= present.rotation * present.rotation;
+  translation_sum *= present.translation * present.translation;
+  const double freedom = statistics.rotation_freedom + statistics.translation_freedom;
+  if (freedom < 0.5) return present;
+  if (std::min(statistics.rotation_freedom, statistics.translation_freedom) >= 1.0) {
+    const double rotation = rotation_sum / statistics.rotation_freedom;
+    const double translation = translation_sum / statistics.translation_freedom;
+    const bool is_rotation_larger = rotation > translation;
+    const double limit = is_rotation_larger ? FisherQuantile(statistics.rotation_freedom,
+                                                             statistics.translation_freedom,
+                                                             1.0 - 0.5 * kFalseSplits)
+                                            : FisherQuantile(statistics.translation_freedom,
+                                                             statistics.rotation_freedom,
+                                                             1.0 - 0.5 * kFalseSplits);
+    if (std::max(rotation, translation) > limit * std::min(rotation, translation)) {
+      return {std::sqrt(rotation), std::sqrt(translation)};
     }
   }
-  statistics->rotation_scale = std::sqrt(rotation);
-  statistics->translation_scale = std::sqrt(translation);
+  const double common = std::sqrt((rotation_sum + translation_sum) / freedom);
+  return {common, common};
 }
 
 }  // namespace
@@ -76,7 +79,8 @@ Eigen::MatrixXd CovarianceOf(const Eigen::MatrixXd& information) {
 }
 
 ResidualStatistics EvaluateResiduals(const AdjustmentLinearization& linearization,
-                                     const std::vector<bool>& uses) {
+                                     const std::vector<bool>& uses,
+                                     const ResidualScales& present) {
   ResidualStatistics statistics;
   const Eigen::MatrixXd& jacobian = linearization.jacobian;
   statistics.information = Eigen::MatrixXd::Zero(jacobian.cols(), jacobian.cols());
@@ -101,13 +105,13 @@ ResidualStatistics EvaluateResiduals(const AdjustmentLinearization& linearizatio
     statistics.rotation_freedom += 3.0 - hat[i].topLeftCorner<3, 3>().trace();
     statistics.translation_freedom += 3.0 - hat[i].bottomRightCorner<3, 3>().trace();
   }
-  SetScales(rotation_sum, translation_sum, &statistics);
+  statistics.scales = NewScales(present, rotation_sum, translation_sum, statistics);
 
   // Studentized residuals, of the views used by what the others say (Cook, Weisberg, "Residuals and
   // Influence in Regression", 1982, section 2.2).
   Vector6d by_scale;
-  by_scale << Eigen::Vector3d::Constant(1.0 / statistics.rotation_scale),
-      Eigen::Vector3d::Constant(1.0 / statistics.translation_scale);
+  by_scale << Eigen::Vector3d::Constant(present.rotation / statistics.scales.rotation),
+      Eigen::Vector3d::Constant(present.translation / statistics.scales.translation);
   const double freedom = statistics.rotation_freedom + statistics.translation_freedom;
   const double chance = kFalseAlarms / static_cast<double>(uses.size());
   statistics.is_outlier.assign(uses.size(), false);

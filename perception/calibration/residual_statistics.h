@@ -11,19 +11,18 @@ namespace vantage {
 struct ResidualStatistics {
   Eigen::MatrixXd information;  ///< of what is estimated, J^T J over the views used
   Eigen::MatrixXd covariance;   ///< its inverse; very large where nothing is known
-  /// Standard deviations of whitened residuals over the views used: of rotations, and of what
-  /// translations have beside them.
-  double rotation_scale = 1.0;
-  double translation_scale = 1.0;
+  ResidualScales scales;
   double rotation_freedom = 0.0;  ///< degrees, that the scales rest on
   double translation_freedom = 0.0;
   /// Of each view: whether its residual is too large for its noise, as told by the others.
   std::vector<bool> is_outlier;
 };
 
-/// @param uses of each view, whether it was adjusted.
+/// @param uses of each view, whether it was adjusted. @param present scales that the residuals are
+/// whitened by.
 ResidualStatistics EvaluateResiduals(const AdjustmentLinearization& linearization,
-                                     const std::vector<bool>& uses);
+                                     const std::vector<bool>& uses,
+                                     const ResidualScales& present);
 
 /// By what the estimate changes if a view that was used is left out: one step of Gauss-Newton from
 /// the optimum.
