@@ -95,6 +95,7 @@ void IgnoreTablesOfOthers(ConfigReader& config) {
                             "fusion",
                             "confusion",
                             "planner",
+                            "extrinsics",
                             "sim"}) {
     if (!root.WasAsked(table)) root.Sub(table).IgnoreAll();
   }
