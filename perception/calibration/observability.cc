@@ -74,8 +74,11 @@ std::string AxisText(const Vector3d& axis) {
   // The same axis in one way: its largest component is positive.
   Eigen::Index largest = 0;
   axis.cwiseAbs().maxCoeff(&largest);
-  const Vector3d shown = axis[largest] < 0.0 ? Vector3d(-axis) : axis;
-  return Format("(%.2f, %.2f, %.2f)", shown.x() + 0.0, shown.y() + 0.0, shown.z() + 0.0);
+  Vector3d shown = axis[largest] < 0.0 ? Vector3d(-axis) : axis;
+  for (double& value : shown) {
+    if (std::abs(value) < 0.005) value = 0.0;  // No "-0.00".
+  }
+  return Format("(%.2f, %.2f, %.2f)", shown.x(), shown.y(), shown.z());
 }
 
 struct Words {
