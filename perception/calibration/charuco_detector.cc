@@ -35,8 +35,9 @@ std::vector<TargetPoint> CharucoDetector::Detect(const GrayImage& image) {
   std::vector<TargetPoint> points;
   for (size_t i = 0; i < ids.size() && i < corners.size(); ++i) {
     if (ids[i] < 0 || static_cast<size_t>(ids[i]) >= points_.size()) continue;
+    // For this part of OpenCV (0, 0) is the corner of a pixel.
     points.push_back({.p_target = points_[static_cast<size_t>(ids[i])],
-                      .pixel = Eigen::Vector2d(corners[i].x, corners[i].y)});
+                      .pixel = Eigen::Vector2d(corners[i].x - 0.5, corners[i].y - 0.5)});
   }
   return points;
 }

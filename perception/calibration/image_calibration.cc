@@ -10,6 +10,7 @@
 #include "perception/calibration/consensus.h"
 #include "perception/calibration/observability.h"
 #include "perception/calibration/pose_adjustment.h"
+#include "perception/calibration/pose_calibration.h"
 #include "perception/calibration/reprojection.h"
 #include "perception/calibration/reprojection_adjustment.h"
 #include "perception/calibration/target_pose.h"
@@ -29,6 +30,20 @@ constexpr double kFarPoint = 3.0;
 constexpr double kFalseAlarms = 0.01;
 
 Error Invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
+
+Result<void> CheckHand(const Pose& T_base_hand) {
+  constexpr double kFarthest = 1e6;  // m
+  if (!(T_base_hand.translation().norm() <= kFarthest)) {
+    return Invalid(Format("the hand is at (%g, %g, %g) m, expected finite numbers within %g m",
+                          T_base_hand.translation().x(),
+                          T_base_hand.translation().y(),
+                          T_base_hand.translation().z(),
+                          kFarthest));
+  }
+  const auto rotation = ProjectToRotation(T_base_hand.linear(), 1e-3);
+  if (!rotation) return rotation.error();
+  return {};
+}
 
 /// A view with enough points.
 struct Candidate {
@@ -58,6 +73,7 @@ class Calibration {
     problem_.expected_camera = camera;
     state_.camera = camera;
     state_.distortion = distortion;
+    noise_.noise = told_;
   }
 
   Result<HandEyeResult> Run() {
@@ -81,20 +97,24 @@ class Calibration {
  private:
   Result<void> FindPoses() {
     for (size_t i = 0; i < views_.size(); ++i) {
-      if (!views_[i].T_base_hand.matrix().allFinite()) {
-        return Invalid(Format("the hand's pose of view %zu is not finite", i + 1));
+      if (const auto valid = CheckHand(views_[i].T_base_hand); !valid) {
+        return Named(i, valid.error());
       }
       if (views_[i].points.size() < 4) continue;
       auto poses = FindTargetPoses(views_[i].points, state_.camera, state_.distortion, told_.pixel);
       if (!poses) {
-        std::string message = Format("view %zu: ", i + 1);
-        return Error{poses.error().code, message + poses.error().message};
+        // Points in a line are of no use; numbers that are none are an error.
+        for (const TargetPoint& point : views_[i].points) {
+          if (!point.pixel.allFinite() || !point.p_target.allFinite()) {
+            return Named(i, poses.error());
+          }
+        }
+        continue;
       }
       if (options_.trajectory != nullptr && !HandOf(views_[i], 0.0)) {
-        return Invalid(
-            Format("the robot's poses do not reach around the time of view %zu, which "
-                   "the time offset needs",
-                   i + 1));
+        return Named(i,
+                     Invalid("the robot's poses do not reach around its time, which the time "
+                             "offset needs"));
       }
       candidates_.push_back({.index = i, .poses = std::move(poses).value()});
     }
@@ -108,11 +128,17 @@ class Calibration {
     return {};
   }
 
-  /// The start: views that agree in closed form.
+  [[nodiscard]] Error Named(size_t index, const Error& error) const {
+    std::string name = views_[index].name.empty() ? Format("view %zu", index) : views_[index].name;
+    return Error{error.code, name.append(": ").append(error.message)};
+  }
+
+  /// The start: views that agree in closed form, where the time offset is asked for with it.
   Result<void> Agree() {
     std::vector<PoseView> poses;
     for (const Candidate& candidate : candidates_) {
       PoseView view{.name = views_[candidate.index].name,
+                    .utime = views_[candidate.index].utime,
                     .T_base_hand = *HandOf(views_[candidate.index], 0.0),
                     .T_camera_target = candidate.poses[0].T_camera_target,
                     .covariance = candidate.poses[0].covariance};
@@ -121,34 +147,54 @@ class Calibration {
       }
       poses.push_back(std::move(view));
     }
-    const auto consensus = FindConsensus(problem_.setup, poses, options_.noise, options_.seed);
-    if (!consensus) return consensus.error();
-    state_.transforms = {consensus->T_x, consensus->T_y};
-    initial_method_ = consensus->method;
+    const auto start = Start(poses);
+    if (!start) return start.error();
     std::vector<double> pixel_rms;
-    double squares = 0.0;
     for (size_t i = 0; i < candidates_.size(); ++i) {
       Candidate& candidate = candidates_[i];
-      candidate.is_used = consensus->chosen[i] >= 0;
-      candidate.chosen = candidate.is_used ? static_cast<size_t>(consensus->chosen[i]) : 0;
+      candidate.is_used = (*start)[i];
       if (!candidate.is_used) continue;
-      const double share = 2.0 * static_cast<double>(views_[candidate.index].points.size());
+      candidate.chosen = Closest(candidate).first;
+      const double count = 2.0 * static_cast<double>(views_[candidate.index].points.size());
       pixel_rms.push_back(candidate.poses[candidate.chosen].pixel_rms *
-                          std::sqrt(share / std::max(1.0, share - 6.0)));
+                          std::sqrt(count / std::max(1.0, count - 6.0)));
     }
     if (NumUsed() < 3) return Invalid("no three views of the target agree");
-    noise_.noise = told_;
     noise_.noise.pixel = std::max(Median(pixel_rms), 0.1 * told_.pixel);
+    // At first all that does not fit is the robot's.
+    double squares = 0.0;
     for (const Candidate& candidate : candidates_) {
       if (candidate.is_used) squares += SquaredDeviation(candidate, candidate.chosen);
     }
-    // At first all that does not fit is the robot's.
     const double freedom = std::max(1.0, 6.0 * static_cast<double>(NumUsed()) - 12.0);
     const double scale = std::max(std::sqrt(squares / freedom), 0.1);
     noise_.noise.robot_rotation *= scale;
     noise_.noise.robot_translation *= scale;
     RestartPoses();
     return {};
+  }
+
+  /// Finds X and Y, and which candidates agree.
+  Result<std::vector<bool>> Start(std::span<const PoseView> poses) {
+    std::vector<bool> agrees;
+    if (options_.trajectory != nullptr) {
+      const auto calibrated = CalibrateFromPoses(
+          problem_.setup,
+          poses,
+          {.noise = options_.noise, .trajectory = options_.trajectory, .seed = options_.seed});
+      if (!calibrated) return calibrated.error();
+      state_.transforms = {calibrated->T_x, calibrated->T_y};
+      state_.time_offset = calibrated->time_offset.value_or(0.0);
+      initial_method_ = calibrated->initial_method;
+      for (const ViewResidual& view : calibrated->views) agrees.push_back(!view.is_outlier);
+      return agrees;
+    }
+    const auto consensus = FindConsensus(problem_.setup, poses, options_.noise, options_.seed);
+    if (!consensus) return consensus.error();
+    state_.transforms = {consensus->T_x, consensus->T_y};
+    initial_method_ = consensus->method;
+    for (const int chosen : consensus->chosen) agrees.push_back(chosen >= 0);
+    return agrees;
   }
 
   /// The hand as the robot tells it at a view's time and an offset, s.
@@ -227,11 +273,13 @@ class Calibration {
   }
 
   /// A view as it is compared with X and Y: by its own pose of the target.
-  [[nodiscard]] AdjustmentView PoseOnly(const Candidate& candidate, size_t chosen) const {
+  [[nodiscard]] AdjustmentView PoseOnly(const Candidate& candidate,
+                                        size_t chosen,
+                                        const ReprojectionState& state) const {
     const TargetPose& pose = candidate.poses[chosen];
     const double scale = noise_.noise.pixel / told_.pixel;
     const ImageView& view = views_[candidate.index];
-    return {.T_base_hand = HandOf(view, state_.time_offset).value_or(view.T_base_hand),
+    return {.T_base_hand = HandOf(view, state.time_offset).value_or(view.T_base_hand),
             .T_camera_target = pose.T_camera_target,
             .camera_covariance = scale * scale * pose.covariance};
   }
@@ -241,13 +289,24 @@ class Calibration {
   }
 
   [[nodiscard]] double SquaredDeviation(const Candidate& candidate, size_t chosen) const {
-    const AdjustmentView view = PoseOnly(candidate, chosen);
+    const AdjustmentView view = PoseOnly(candidate, chosen, state_);
     const AdjustmentProblem problem{.setup = problem_.setup,
                                     .noise = {.robot_rotation = noise_.noise.robot_rotation,
-                                              .robot_translation = noise_.noise.robot_translation}};
+                                              .robot_translation = noise_.noise.robot_translation,
+                                              .scales = {}}};
     const auto error = ViewError(problem_.setup, view, PoseState(state_));
     const HandEyeCovariance covariance = ViewErrorCovariance(problem, view, PoseState(state_));
     return error.dot(covariance.ldlt().solve(error));
+  }
+
+  /// Which of a candidate's poses is closest to X and Y, and its squared deviation.
+  [[nodiscard]] std::pair<size_t, double> Closest(const Candidate& candidate) const {
+    std::pair<size_t, double> closest{0, SquaredDeviation(candidate, 0)};
+    for (size_t i = 1; i < candidate.poses.size(); ++i) {
+      const double squared = SquaredDeviation(candidate, i);
+      if (squared < closest.second) closest = {i, squared};
+    }
+    return closest;
   }
 
   /// Whether another choice of views, or of their poses, was made.
@@ -259,14 +318,7 @@ class Calibration {
                                     1.0 - chance);
     bool is_changed = false;
     for (Candidate& candidate : candidates_) {
-      size_t best = 0;
-      double least = 0.0;
-      for (size_t i = 0; i < candidate.poses.size(); ++i) {
-        const double squared = SquaredDeviation(candidate, i);
-        if (i > 0 && !(squared < least)) continue;
-        best = i;
-        least = squared;
-      }
+      const auto [best, least] = Closest(candidate);
       const bool is_used = least <= limit;
       is_changed |= is_used != candidate.is_used || (is_used && best != candidate.chosen);
       candidate.is_used = is_used;
@@ -287,6 +339,8 @@ class Calibration {
     result.initial_method = initial_method_;
     result.covariance = shared.covariance.topLeftCorner<6, 6>();
     result.target_covariance = shared.covariance.block<6, 6>(6, 6);
+    result.cross_covariance = shared.covariance.block<6, 6>(0, 6);
+    result.cross_covariance = shared.covariance.block<6, 6>(0, 6);
     const double freedom = EffectiveFreedom(equations_, noise_, prior);
     result.squared_radius_95 =
         6.0 * boost::math::quantile(boost::math::fisher_f_distribution<double>(6.0, freedom), 0.95);
@@ -351,7 +405,8 @@ class Calibration {
 
   [[nodiscard]] Eigen::Matrix<double, 6, 1> ErrorBy(const Candidate& candidate,
                                                     const ReprojectionState& state) const {
-    return ViewError(problem_.setup, PoseOnly(candidate, candidate.chosen), PoseState(state));
+    return ViewError(
+        problem_.setup, PoseOnly(candidate, candidate.chosen, state), PoseState(state));
   }
 
   /// The state without a view that was used: one step of Gauss-Newton from the optimum.
@@ -365,7 +420,7 @@ class Calibration {
   /// px, of the points where X, Y and the robot say they are; the image's diagonal where they are
   /// behind the camera.
   [[nodiscard]] double PixelResidual(const Candidate& candidate) const {
-    const AdjustmentView view = PoseOnly(candidate, candidate.chosen);
+    const AdjustmentView view = PoseOnly(candidate, candidate.chosen, state_);
     Pose T_base_hand = view.T_base_hand;
     T_base_hand.translation() *= state_.robot_scale;
     const Pose T_camera_target =

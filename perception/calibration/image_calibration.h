@@ -21,8 +21,10 @@ struct ImageCalibrationOptions {
 /// Calibrates from the target's points in images: poses of single views with both solutions of a
 /// flat target (target_pose.h), those that agree (FindConsensus()), then one problem over X, Y,
 /// what else is asked for, and the robot's poses with their noise as priors, with the reprojection
-/// error of every point. Errors: fewer than 3 views with 4 points, bad numbers, as
-/// CalibrateFromPoses().
+/// error of every point. How noisy points and robot are is told by the residuals; options.noise is
+/// where that starts. ViewResidual::pixels is of the points where X, Y and the robot say they are.
+/// Views with fewer than 4 points are listed as outliers, with zeros. Errors: fewer than 3 views
+/// with 4 points, bad numbers, as CalibrateFromPoses().
 Result<HandEyeResult> CalibrateFromImages(HandEyeSetup setup,
                                           std::span<const ImageView> views,
                                           const CameraModel& camera,

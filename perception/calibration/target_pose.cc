@@ -149,6 +149,7 @@ std::vector<Pose> ClosedForm(std::span<const TargetPoint> points,
   std::vector<cv::Mat> rotations;
   std::vector<cv::Mat> translations;
   std::vector<Pose> poses;
+  // OpenCV throws where its numbers get out of hand.
   try {
     std::vector<cv::Point2d> rays;
     const cv::TermCriteria enough(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 1e-10);
@@ -161,16 +162,16 @@ std::vector<Pose> ClosedForm(std::span<const TargetPoint> points,
                         translations,
                         false,
                         cv::SOLVEPNP_IPPE);
+    for (size_t i = 0; i < rotations.size() && i < translations.size(); ++i) {
+      const cv::Vec3d r = rotations[i];
+      const cv::Vec3d t = translations[i];
+      Pose pose = Pose::Identity();
+      pose.linear() = ExpSo3(Vector3d(r[0], r[1], r[2])).toRotationMatrix();
+      pose.translation() = Vector3d(t[0], t[1], t[2]);
+      if (pose.matrix().allFinite()) poses.push_back(pose);
+    }
   } catch (const cv::Exception&) {
     return {};
-  }
-  for (size_t i = 0; i < rotations.size() && i < translations.size(); ++i) {
-    const cv::Vec3d r = rotations[i];
-    const cv::Vec3d t = translations[i];
-    Pose pose = Pose::Identity();
-    pose.linear() = ExpSo3(Vector3d(r[0], r[1], r[2])).toRotationMatrix();
-    pose.translation() = Vector3d(t[0], t[1], t[2]);
-    if (pose.matrix().allFinite()) poses.push_back(pose);
   }
   return poses;
 }
