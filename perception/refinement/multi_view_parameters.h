@@ -7,9 +7,10 @@
 namespace vantage {
 
 struct MultiViewParameters {
-  int rounds = 5;     ///< at most so often correspondences are renewed
-  int points = 4000;  ///< pixels of a model drawn in a view, about
-  int edge_px = 3;    ///< px about a silhouette or a step of the drawn model in which depth wavers
+  int rounds = 4;     ///< so often correspondences are renewed, the last time all pixels count
+  int points = 8000;  ///< pixels of a model drawn in a view at last, about
+  int edge_px = 0;    ///< px about a silhouette or a step of the drawn model that count for nothing
+  double correlation_px = 1.5;  ///< px, of the smooth part of the noise, see ViewEvidenceGatherer
   /// Standard deviations of a camera's pose about what the robot tells, rad and m.
   double camera_rotation = 0.02 * kDegree;
   double camera_translation = 0.0001;
