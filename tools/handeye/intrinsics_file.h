@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/camera_model.h"
+#include "common/lens_distortion.h"
+#include "common/result.h"
+
+namespace vantage {
+
+struct CameraIntrinsics {
+  CameraModel camera;
+  LensDistortion distortion;
+};
+
+/// Reads a calibration file of the camera driver (TOML, docs/camera-drivers.md) or ViSP's XML of a
+/// camera, whose kud becomes k1. Errors: absent, another format, keys that are missing, unknown or
+/// out of range.
+Result<CameraIntrinsics> ReadIntrinsics(const std::filesystem::path& file);
+
+/// As a calibration file of the camera driver.
+std::string IntrinsicsToml(const CameraIntrinsics& intrinsics);
+
+}  // namespace vantage
