@@ -59,6 +59,15 @@ std::string Line(const char* key, const std::string& value, const std::string& c
       "%s = %s%s%s\n", key, value.c_str(), comment.empty() ? "" : "   # ", comment.c_str());
 }
 
+std::string MatrixText(const char* key, const HandEyeCovariance& matrix) {
+  std::string text = Format("%s = [\n", key);
+  for (int row = 0; row < 6; ++row) {
+    const Eigen::Matrix<double, 6, 1> values = matrix.row(row).transpose();
+    text += Format("  %s,\n", Numbers(std::span<const double>(values.data(), 6)).c_str());
+  }
+  return text + "]\n";
+}
+
 std::string PoseText(const Pose& pose, const HandEyeCovariance& covariance) {
   const Eigen::Vector3d t = pose.translation();
   const Eigen::Quaterniond q = Canonical(Eigen::Quaterniond(pose.linear()));
@@ -77,12 +86,7 @@ std::string PoseText(const Pose& pose, const HandEyeCovariance& covariance) {
                  sigma_mm.x(),
                  sigma_mm.y(),
                  sigma_mm.z());
-  text += "covariance = [\n";
-  for (int row = 0; row < 6; ++row) {
-    const Eigen::Matrix<double, 6, 1> values = covariance.row(row).transpose();
-    text += Format("  %s,\n", Numbers(std::span<const double>(values.data(), 6)).c_str());
-  }
-  return text + "]\n";
+  return text + MatrixText("covariance", covariance);
 }
 
 std::string IntrinsicsText(const CameraModel& camera, const LensDistortion& distortion) {
@@ -117,12 +121,16 @@ bool IsCovariance(const HandEyeCovariance& matrix) {
   return solver.eigenvalues().minCoeff() > -kTolerance;
 }
 
+HandEyeCovariance ReadMatrix(ConfigReader::Table& table, const char* key) {
+  std::vector<double> values(36, 0.0);
+  table.ReadNumbers(key, 36, -kLargestVariance, kLargestVariance, &values);
+  return Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values.data());
+}
+
 void ReadPoseTable(ConfigReader::Table table, Pose* pose, HandEyeCovariance* covariance) {
   for (const char* key : {"position_m", "quaternion_wxyz", "covariance"}) table.Require(key);
   table.ReadPose(pose);
-  std::vector<double> values(36, 0.0);
-  table.ReadNumbers("covariance", 36, -kLargestVariance, kLargestVariance, &values);
-  *covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values.data());
+  *covariance = ReadMatrix(table, "covariance");
   if (!IsCovariance(*covariance)) {
     table.Fail("covariance", "expected a symmetric matrix without negative eigenvalues");
   }
@@ -176,7 +184,9 @@ Result<HandEyeFile> Read(Result<ConfigReader> reader) {
   calibration.setup = setup == "eye-in-hand" ? HandEyeSetup::kEyeInHand : HandEyeSetup::kEyeToHand;
   root.Read("created_utime_us", &calibration.created_utime, int64_t{0}, kLatestUtime);
   ReadPoseTable(root.Sub("camera_pose"), &calibration.T_x, &calibration.covariance);
-  ReadPoseTable(root.Sub("target_pose"), &calibration.T_y, &calibration.target_covariance);
+  ConfigReader::Table target = root.Sub("target_pose");
+  ReadPoseTable(target, &calibration.T_y, &calibration.target_covariance);
+  calibration.cross_covariance = ReadMatrix(target, "cross_covariance");
   ReadFit(root.Sub("fit"), &calibration);
   ConfigReader::Table robot = root.Sub("robot");
   robot.Read("scale", &calibration.robot_scale, 0.1, 10.0);
@@ -197,6 +207,7 @@ HandEyeFile MakeHandEyeFile(const HandEyeResult& result, const std::string& came
   file.covariance = result.covariance;
   file.T_y = result.T_y;
   file.target_covariance = result.target_covariance;
+  file.cross_covariance = result.cross_covariance;
   file.squared_radius_95 = result.squared_radius_95;
   file.noise_scale = result.noise_scale;
   double squares = 0.0;
@@ -235,6 +246,8 @@ std::string HandEyeFileText(const HandEyeFile& calibration) {
   text += PoseText(calibration.T_x, calibration.covariance);
   text += Format("\n[target_pose]   # %s\n", in_hand ? "T_base_target" : "T_hand_target");
   text += PoseText(calibration.T_y, calibration.target_covariance);
+  text += "# Of the camera's errors (rows) with the target's (columns).\n";
+  text += MatrixText("cross_covariance", calibration.cross_covariance);
   text += "\n[fit]\n";
   text += Line("squared_radius_95",
                Number(calibration.squared_radius_95),

@@ -22,6 +22,7 @@ struct HandEyeFile {
   HandEyeCovariance covariance = HandEyeCovariance::Zero();  ///< of X, as in HandEyeResult
   Pose T_y = Pose::Identity();                               ///< T_base_target or T_hand_target
   HandEyeCovariance target_covariance = HandEyeCovariance::Zero();  ///< of Y, alike
+  HandEyeCovariance cross_covariance = HandEyeCovariance::Zero();   ///< of X's errors with Y's
   double squared_radius_95 = 12.592;                                ///< as in HandEyeResult
   double noise_scale = 1.0;                                         ///< as in HandEyeResult
 
