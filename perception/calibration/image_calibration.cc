@@ -353,7 +353,7 @@ class Calibration {
     std::vector<Pose> hands;
     for (const ReprojectionView& view : problem_.views) hands.push_back(view.T_base_hand);
     result.observability = AssessObservability(
-        problem_.setup, hands, result.covariance.inverse(), noise_.noise.robot_rotation);
+        problem_.setup, hands, result.covariance, noise_.noise.robot_rotation);
     return result;
   }
 
