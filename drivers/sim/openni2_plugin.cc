@@ -147,6 +147,10 @@ void SimDevice::TakeImages(const Pose& T_world_camera, int64_t index, Clock::dur
     const std::lock_guard lock(mutex_);
     streams = streams_;
   }
+  // Color first: who reads waits for the color image of a depth image half a frame at most, and a
+  // board takes longer to paint.
+  std::ranges::stable_partition(
+      streams, [](const auto& stream) { return stream->sensor() != ONI_SENSOR_DEPTH; });
   // Without the lock: whoever hears of the frame may ask the device for something.
   for (const std::shared_ptr<SimStream>& stream : streams) {
     if (!stream->started()) continue;
