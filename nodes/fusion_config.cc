@@ -1,6 +1,7 @@
 #include "nodes/fusion_config.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -186,6 +187,7 @@ Result<FusionConfig> ReadFusionConfig(ConfigReader& config) {
   result.criterion = planner.criterion;
   result.criterion_seed = planner.seed;
   const ConfusionConfig confusion = ReadConfusionConfig(config);
+  result.refinement = ReadObjectRefinementConfig(config);
   const ModelsConfig models = ReadModelsConfig(config);
   IgnoreTablesOfOthers(config);
   if (Result<void> read = config.Finish(); !read) return read.error();
@@ -194,6 +196,9 @@ Result<FusionConfig> ReadFusionConfig(ConfigReader& config) {
   }
   if (Result<void> valid = result.views.Validate(); !valid) {
     return OfTable("planner", valid.error());
+  }
+  if (Result<void> valid = result.refinement.parameters.Validate(); !valid) {
+    return OfTable("fusion.refinement", valid.error());
   }
   const Result<std::vector<std::string>> names = FindModels(models);
   if (!names) return names.error();
@@ -207,6 +212,9 @@ Result<FusionConfig> ReadFusionConfig(ConfigReader& config) {
     auto table = LoadConfusion(confusion, confusion_setup, *model, models.folder / name);
     if (table) tracked.confusion = std::move(table).value();
     if (!table) result.refused_tables[name] = table.error().message;
+    if (!result.refinement.camera.empty()) {
+      result.refined_models[name] = std::make_shared<const RefinedModel>(*model);
+    }
     result.shapes[name] = {DecimateMesh(model->mesh, kCoarseLevel), RadiusAboutCenter(*model)};
     result.setup += Format("%s %llx symmetry %s, ",
                            name.c_str(),

@@ -9,6 +9,8 @@
 #include "common/triangle_mesh.h"
 #include "fusion/object_tracker.h"
 #include "nodes/config_reader.h"
+#include "nodes/object_refinement.h"
+#include "nodes/object_refinement_config.h"
 #include "planner/view_sequence.h"
 
 namespace vantage {
@@ -29,6 +31,8 @@ struct FusionConfig {
   std::filesystem::path state_file;            ///< empty: no state is kept
   std::map<std::string, TrackedModel> models;
   std::map<std::string, PlannedShape> shapes;  ///< of each model
+  ObjectRefinementConfig refinement;
+  ObjectRefinement::Models refined_models;  ///< all of them where there is a camera to refine with
   /// By model: why the contingency table that there is for it is not used.
   std::map<std::string, std::string> refused_tables;
   /// Names the models, with what is known of their orientations, and the candidates: a saved state

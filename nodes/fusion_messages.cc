@@ -17,8 +17,17 @@ void CopyQuaternion(const Eigen::Quaterniond& q, double* quat) {
   quat[3] = q.z();
 }
 
-void CopyRowMajor(const Eigen::Matrix3d& matrix, double* values) {
-  for (Eigen::Index i = 0; i < 9; ++i) values[i] = matrix(i / 3, i % 3);
+template <class Matrix>
+void CopyRowMajor(const Matrix& matrix, double* values) {
+  constexpr Eigen::Index kColumns = Matrix::ColsAtCompileTime;
+  for (Eigen::Index i = 0; i < Matrix::SizeAtCompileTime; ++i) {
+    values[i] = matrix(i / kColumns, i % kColumns);
+  }
+}
+
+void CopyRefinedPose(const Pose& T_world_object, object_estimate_v3_t* message) {
+  CopyTranslation(T_world_object.translation(), message->refined_trans);
+  CopyQuaternion(Canonical(Eigen::Quaterniond(T_world_object.linear())), message->refined_quat);
 }
 
 int8_t StateToMessage(ObjectEstimate::State state) {
@@ -62,6 +71,8 @@ object_estimate_v3_t ObjectToMessage(const ObjectEstimate& object) {
     message.sources.push_back(source);
   }
   message.num_sources = static_cast<int32_t>(message.sources.size());
+  message.refinement = object_estimate_v3_t::NOT_REFINED;
+  CopyRefinedPose(object.T_world_object, &message);
   return message;
 }
 
@@ -72,6 +83,17 @@ object_estimates_v3_t ObjectsToMessage(std::span<const ObjectEstimate> objects) 
   for (const ObjectEstimate& object : objects) message.objects.push_back(ObjectToMessage(object));
   message.num_objects = static_cast<int32_t>(message.objects.size());
   return message;
+}
+
+void AddRefinement(const MultiViewRefined& refined, object_estimate_v3_t* message) {
+  message->refinement =
+      refined.is_refined ? object_estimate_v3_t::REFINED : object_estimate_v3_t::REFINEMENT_REFUSED;
+  message->refinement_note = refined.note;
+  if (!refined.is_refined) return;
+  CopyRefinedPose(refined.T_world_object, message);
+  CopyRowMajor(refined.covariance, message->refined_covariance);
+  message->refined_rms = refined.rms;
+  message->refined_views = refined.views;
 }
 
 orientation_histogram_t HistogramToMessage(const ObjectEstimate& object) {

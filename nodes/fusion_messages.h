@@ -4,6 +4,7 @@
 #include <span>
 
 #include "fusion/object_tracker.h"
+#include "perception/refinement/multi_view_refiner.h"
 #include "planner/next_best_view.h"
 #include "vantage/next_view_t.hpp"
 #include "vantage/object_estimates_v3_t.hpp"
@@ -13,6 +14,9 @@ namespace vantage {
 
 /// Objects as a message; utime, seq, num_viewpoints and finished are the caller's to fill in.
 object_estimates_v3_t ObjectsToMessage(std::span<const ObjectEstimate> objects);
+
+/// Fills in what the refinement says of an object.
+void AddRefinement(const MultiViewRefined& refined, object_estimate_v3_t* message);
 
 /// The histogram of one object, its heaviest cells if there are more than kMostCells, ascending;
 /// utime and seq are the caller's to fill in.

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -14,19 +15,23 @@
 #include "common/time_range.h"
 #include "nodes/fusion_messages.h"
 #include "nodes/fusion_state_file.h"
+#include "nodes/object_refinement.h"
 #include "planner/circle_view.h"
 #include "planner/confusion_heuristic.h"
 #include "planner/farthest_view.h"
 #include "planner/information_gain.h"
 #include "planner/random_view.h"
 #include "vantage/arm_status_t.hpp"
+#include "vantage/camera_info_t.hpp"
 #include "vantage/detections_v2_t.hpp"
+#include "vantage/images_t.hpp"
 #include "vantage/rigid_transform_t.hpp"
 
 namespace vantage {
 namespace {
 
-constexpr int64_t kRepeatInterval = 1'000'000;  // us
+constexpr int64_t kRepeatInterval = 1'000'000;   // us
+constexpr size_t kImageQueueBytes = 16U << 20U;  // Some frames that come while views are chosen.
 
 ViewCriterion MakeCriterion(const FusionConfig& config) {
   if (config.criterion == "farthest") return FarthestView();
@@ -49,6 +54,9 @@ class FusionNode : public Node {
         grid_(config.k),
         tracker_(grid_, config.tracker, config.models),
         views_(config.views, MakeCriterion(config)) {
+    if (!config.refinement.camera.empty()) {
+      refinement_.emplace(config.refinement, config.refined_models);
+    }
     for (const auto& [model, why] : config.refused_tables) {
       std::string note = why;
       note += "; its detections are weighed by confidence alone";
@@ -65,7 +73,20 @@ class FusionNode : public Node {
     if (Result<void> subscribed = Subscribe("ARM_STATUS", &FusionNode::OnArmStatus); !subscribed) {
       return subscribed;
     }
-    return Subscribe("CAMERA_.*_TO_WORLD", &FusionNode::OnCameraPose);
+    if (Result<void> subscribed = Subscribe("CAMERA_.*_TO_WORLD", &FusionNode::OnCameraPose);
+        !subscribed) {
+      return subscribed;
+    }
+    if (!refinement_) return {};
+    const std::string camera = "CAMERA_" + config_.refinement.camera;
+    if (Result<void> subscribed = Subscribe(camera + "_INFO", &FusionNode::OnCameraInfo);
+        !subscribed) {
+      return subscribed;
+    }
+    return bus_.Subscribe<images_t>(
+        camera,
+        {SubscribeOptions::Keep::kAll, kImageQueueBytes},
+        [this](const Envelope&, const images_t& message) { refinement_->OnImages(message); });
   }
 
  private:
@@ -101,6 +122,7 @@ class FusionNode : public Node {
     const std::vector<ObjectEstimate> objects = tracker_.Estimates();
     bus_.RecordStage(
         "fuse", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    if (refinement_ && update.changed) Refine(*set, objects);
 
     const bool decided = views_.OnSet(set->utime,
                                       set->T_world_camera,
@@ -131,6 +153,19 @@ class FusionNode : public Node {
       }
     }
     RepeatWhenDue(message.utime);
+  }
+
+  void OnCameraInfo(const std::string& channel, const camera_info_t& message) {
+    const Result<CameraModel> camera = CameraFromMessage(message);
+    Report(channel, camera ? Result<void>() : Result<void>(camera.error()));
+    if (camera) refinement_->OnCamera(*camera);
+  }
+
+  void Refine(const DetectionSet& set, const std::vector<ObjectEstimate>& objects) {
+    const auto start = std::chrono::steady_clock::now();
+    Report("depth of " + config_.refinement.camera, refinement_->OnSet(set, objects));
+    bus_.RecordStage(
+        "refine", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
 
   void OnCameraPose(const std::string& channel, const rigid_transform_t& message) {
@@ -165,6 +200,12 @@ class FusionNode : public Node {
   void PublishObjects(const std::vector<ObjectEstimate>& objects) {
     restored_ = false;
     object_estimates_v3_t message = ObjectsToMessage(objects);
+    if (refinement_) {
+      for (object_estimate_v3_t& object : message.objects) {
+        const auto refined = refinement_->refined().find(object.instance_id);
+        if (refined != refinement_->refined().end()) AddRefinement(refined->second, &object);
+      }
+    }
     message.utime = utime_;
     message.seq = objects_seq_++;
     message.num_viewpoints = static_cast<int32_t>(tracker_.state().viewpoints.size());
@@ -264,9 +305,10 @@ class FusionNode : public Node {
   const So3Grid grid_;
   ObjectTracker tracker_;
   ViewSequence views_;
-  int64_t utime_ = 0;            // us, of the last image used
-  int64_t last_told_utime_ = 0;  // us, message time at which NEXT_VIEW was sent last
-  bool restored_ = false;        // What was restored has not been told yet.
+  std::optional<ObjectRefinement> refinement_;  // Nothing where no camera is named for it.
+  int64_t utime_ = 0;                           // us, of the last image used
+  int64_t last_told_utime_ = 0;                 // us, message time at which NEXT_VIEW was sent last
+  bool restored_ = false;                       // What was restored has not been told yet.
   int64_t objects_seq_ = 0;
   int64_t histogram_seq_ = 0;
   int64_t num_dropped_ = 0;
