@@ -34,6 +34,9 @@
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/fusion_methods.h"
 #include "tools/evaluate/grid_statistics.h"
+#include "tools/evaluate/handeye_evaluation.h"
+#include "tools/evaluate/handeye_report.h"
+#include "tools/evaluate/handeye_text.h"
 #include "tools/evaluate/method_cache.h"
 #include "tools/evaluate/report_writer.h"
 #include "tools/evaluate/tuning.h"
@@ -49,6 +52,7 @@ namespace fs = std::filesystem;
 constexpr int kEvaluationSequences = 60;
 constexpr int kTuningSequences = 10;
 constexpr int kConfusionSequences = 40;
+constexpr int kHandEyeTrials = 1000;
 constexpr int kEvaluationViews = 12;
 constexpr int kConfusionViews = 15;
 constexpr uint64_t kTuningSeed = 1000;  // Added to the evaluation's.
@@ -57,6 +61,7 @@ struct Arguments {
   bool paper = false;
   bool confusion = false;
   bool tune = false;
+  bool handeye = false;
   std::string dataset;  // Folder; empty: not that work.
   std::string meshes;   // Empty: beside the dataset.
   std::string estimator = "all";
@@ -343,6 +348,34 @@ Result<int> EvaluateConfusions(const Arguments& arguments) {
   return missed.empty() ? 0 : 1;
 }
 
+/// @return the exit code.
+Result<int> EvaluateHandEyes(const Arguments& arguments) {
+  const Interrupt interrupt("the trial in work");
+  const fs::path folder =
+      fs::path(arguments.output) / (arguments.name.empty() ? "handeye" : arguments.name);
+  if (const auto prepared = PrepareOutput(folder); !prepared) return prepared.error();
+  HandEyeResults results;
+  results.command = Format("vantage-evaluate --handeye --sequences %d --seed %llu",
+                           arguments.sequences,
+                           static_cast<unsigned long long>(arguments.seed));
+  results.version = VANTAGE_VERSION;
+  {
+    ShownProgress bar("calibrations");
+    const bool is_complete = EvaluateHandEye(
+        {arguments.sequences, arguments.seed},
+        interrupt.token(),
+        [&bar](int64_t done, int64_t total) { bar.Show(done, total); },
+        &results);
+    if (!is_complete) return kInterrupted;
+  }
+  if (const auto written = WriteHandEyeReport(results, folder); !written) return written.error();
+  std::printf("%s%s\n", HandEyeText(results).c_str(), (folder / "report.html").c_str());
+  if (!arguments.check) return 0;
+  const std::vector<std::string> missed = MissedBars(results);
+  for (const std::string& bar : missed) std::fprintf(stderr, "%s\n", bar.c_str());
+  return missed.empty() ? 0 : 1;
+}
+
 std::string DatasetCommand(const Arguments& arguments) {
   std::string command = "vantage-evaluate --dataset " + arguments.dataset;
   if (!arguments.meshes.empty()) command += " --meshes " + arguments.meshes;
@@ -417,6 +450,8 @@ int Main(int argc, char** argv) {
   work->add_flag("--tune",
                  arguments.tune,
                  "Tries parameters of every method on sequences of the seed plus 1000");
+  work->add_flag(
+      "--handeye", arguments.handeye, "Hand-eye calibration from simulated poses against OpenCV's");
   work->add_option("--dataset",
                    arguments.dataset,
                    "Evaluates estimators on real views: a folder of a dataset, or of several");
@@ -438,7 +473,7 @@ int Main(int argc, char** argv) {
   app.add_option("--sequences",
                  arguments.sequences,
                  "Random sequences of each model, by default 60, 40 with --confusion, or 10 to "
-                 "tune on")
+                 "tune on; trials of each cell with --handeye, by default 1000")
       ->check(CLI::Range(0, 100000));
   app.add_option("--views",
                  arguments.views,
@@ -461,7 +496,7 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--name",
                  arguments.name,
-                 "The report goes to OUTPUT/NAME, by default paper, confusion or dataset");
+                 "The report goes to OUTPUT/NAME, by default paper, confusion, dataset or handeye");
   app.add_flag("--check", arguments.check, "Exit with 1 where a bar is missed");
   if (const auto code = ParseCommandLine(app, argc, argv)) return *code;
   if (arguments.threads == 0) {
@@ -470,6 +505,7 @@ int Main(int argc, char** argv) {
   if (arguments.sequences < 0) {
     arguments.sequences = arguments.tune        ? kTuningSequences
                           : arguments.confusion ? kConfusionSequences
+                          : arguments.handeye   ? kHandEyeTrials
                                                 : kEvaluationSequences;
   }
   if (arguments.views < 0) {
@@ -478,6 +514,7 @@ int Main(int argc, char** argv) {
   const Result<int> code = !arguments.dataset.empty() ? EvaluateDatasets(arguments)
                            : arguments.tune           ? Tune(arguments)
                            : arguments.confusion      ? EvaluateConfusions(arguments)
+                           : arguments.handeye        ? EvaluateHandEyes(arguments)
                                                       : Evaluate(arguments);
   if (code) return *code;
   std::fprintf(stderr, "vantage-evaluate: %s\n", code.error().message.c_str());
