@@ -1,5 +1,6 @@
 #include "tools/handeye/calibration_input.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -11,6 +12,33 @@ namespace vantage {
 namespace {
 
 constexpr size_t kFewestPoints = 4;  // Of a pose.
+
+// Ids of the tags of the target's family in an image, in whatever place.
+std::vector<int> SeenTags(const CalibrationTarget& target, const GrayImage& image) {
+  constexpr int kRow = 50;
+  std::vector<int> seen;
+  CalibrationTarget row = target;
+  row.columns = kRow;
+  row.rows = 1;
+  for (row.first_id = 0;; row.first_id += kRow) {
+    // The family ends within a row.
+    while (row.columns > 0 && !row.Validate().ok()) --row.columns;
+    if (row.columns == 0) return seen;
+    const Result<std::unique_ptr<TargetDetector>> detector = MakeTargetDetector(row);
+    if (!detector) return seen;
+    const std::vector<Eigen::Vector3d> corners = TargetPoints(row);
+    for (const TargetPoint& point : (*detector)->Detect(image)) {
+      const auto at = std::ranges::find(corners, point.p_target) - corners.begin();
+      if (at % 4 == 0) seen.push_back(row.first_id + static_cast<int>(at / 4));
+    }
+  }
+}
+
+std::string List(const std::vector<int>& ids) {
+  std::string text;
+  for (const int id : ids) text += Format("%s%d", text.empty() ? "" : ", ", id);
+  return text;
+}
 
 Error InView(const std::string& name, const char* what, const Error& error) {
   return {error.code, Format("%s: %s: %s", name.c_str(), what, error.message.c_str())};
@@ -53,6 +81,7 @@ Result<ImageInput> ImageInput::Make(const CalibrationTarget& target,
   input.detector_ = std::move(detector).value();
   input.input_.source = InputSource::kPosesAndImages;
   input.input_.intrinsics = intrinsics;
+  input.target_ = target;
   input.pixel_sigma_ = pixel_sigma;
   return input;
 }
@@ -74,6 +103,9 @@ Result<void> ImageInput::Add(const NamedImage& image) {
   std::vector<TargetPoint> points = detector_->Detect(image.image);
   if (points.size() < kFewestPoints) {
     input_.notes.push_back(Format("%s is left out: the target is not seen", image.name.c_str()));
+    if (target_.kind == CalibrationTarget::Kind::kAprilTags && seen_tags_.empty()) {
+      seen_tags_ = SeenTags(target_, image.image);
+    }
     return {};
   }
   const Result<std::vector<TargetPose>> poses =
@@ -93,8 +125,10 @@ Result<CalibrationInput> ImageInput::Finish() {
   if (input_.images.empty()) {
     return Error{ErrorCode::kNotFound,
                  Format("the target is seen in none of %zu images, expected at least 3: are its "
-                        "kind, columns, rows and family right?",
-                        num_images_)};
+                        "kind, columns, rows, family and first id right?%s%s",
+                        num_images_,
+                        seen_tags_.empty() ? "" : " There are tags with other ids: ",
+                        List(seen_tags_).c_str())};
   }
   return std::move(input_);
 }

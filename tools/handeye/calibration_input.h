@@ -59,7 +59,9 @@ class ImageInput {
 
  private:
   std::unique_ptr<TargetDetector> detector_;
+  CalibrationTarget target_;
   CalibrationInput input_;
+  std::vector<int> seen_tags_;  // That are not of the target.
   double pixel_sigma_ = 0.2;
   size_t num_images_ = 0;
 };
