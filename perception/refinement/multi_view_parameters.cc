@@ -18,6 +18,8 @@ Result<void> MultiViewParameters::Validate() const {
       {"correlation_px", correlation_px, 0.0, 2.0},
       {"camera_rotation", camera_rotation, 0.0, 1.0},
       {"camera_translation", camera_translation, 0.0, 1.0},
+      {"view_rotation", view_rotation, 0.0, 1.0},
+      {"view_translation", view_translation, 0.0, 1.0},
       {"hand_eye_rotation", hand_eye_rotation, 0.0, 1.0},
       {"hand_eye_translation", hand_eye_translation, 0.0, 1.0},
       {"min_views", static_cast<double>(min_views), 1.0, 1000.0},

@@ -14,6 +14,9 @@ struct MultiViewParameters {
   /// Standard deviations of a camera's pose about what the robot tells, rad and m.
   double camera_rotation = 0.02 * kDegree;
   double camera_translation = 0.0001;
+  /// Of a view's pose turned about the object: where markers beside it tell the cameras' poses.
+  double view_rotation = 0.0;
+  double view_translation = 0.0;
   /// True: one motion of all cameras in their hand is sought too.
   bool adjust_hand_eye = false;
   double hand_eye_rotation = 0.5 * kDegree;  ///< rad, standard deviation of that motion

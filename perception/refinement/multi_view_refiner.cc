@@ -52,14 +52,10 @@ std::string WhyNotUsable(const RefinementStart& start, size_t num_views) {
   return {};
 }
 
-// A sensor's bias is smooth over an object: it tilts and shifts the whole by chance, another way in
-// each view. A term that knows.
-void AllowForBias(double tilt, double shift, Matrix6* information, Vector6* right) {
-  Matrix6 covariance = Matrix6::Zero();
-  covariance.diagonal().head<2>().setConstant(tilt * tilt);
-  covariance(5, 5) = shift * shift;
+// A term that knows of an error of its own view: motions of the object with this covariance.
+void AllowFor(const Vector6& variances, Matrix6* information, Vector6* right) {
   // (I + A B)^-1 A is the information of the sum of both errors.
-  const Matrix6 share = (Matrix6::Identity() + *information * covariance).inverse();
+  const Matrix6 share = (Matrix6::Identity() + *information * variances.asDiagonal()).inverse();
   const Matrix6 reduced = share * *information;
   *information = 0.5 * (reduced + reduced.transpose());
   *right = share * *right;
@@ -203,11 +199,15 @@ class MultiViewRefiner::Impl {
     ViewTerm term{
         object, view, T_camera_object, evidence.information / noise, evidence.right / noise};
     const double depth = (T_camera_object * problem_.centers[object]).z();
-    const double own = std::sqrt(1.0 - kSharedBias);
-    AllowForBias(own * parameters_.single.bias_tilt,
-                 own * parameters_.single.bias_at_1m * depth * depth,
-                 &term.information,
-                 &term.right);
+    // A sensor's bias is smooth over an object: it tilts and shifts the whole, by chance.
+    const double tilt = parameters_.single.bias_tilt;
+    const double shift = parameters_.single.bias_at_1m * depth * depth;
+    Vector6 variances;
+    variances << Eigen::Vector3d::Constant(parameters_.view_rotation * parameters_.view_rotation),
+        Eigen::Vector3d::Constant(parameters_.view_translation * parameters_.view_translation);
+    variances.head<2>().array() += (1.0 - kSharedBias) * tilt * tilt;
+    variances[5] += (1.0 - kSharedBias) * shift * shift;
+    AllowFor(variances, &term.information, &term.right);
     return term;
   }
 
@@ -246,7 +246,7 @@ class MultiViewRefiner::Impl {
                                        const Agreement& before,
                                        const Agreement& after,
                                        const Matrix6& covariance) const {
-    constexpr double kAsWell = 1.02;    // Times the cost at the start: what rounding may add.
+    constexpr double kAsWell = 1.1;     // Times the cost at the start: it is not what is minimized.
     constexpr double kAsMuch = 0.9;     // Of the measurements at the start.
     constexpr double kExplained = 0.5;  // Of the measurements, at least.
     const RefinementStart& start = starts_[object];
