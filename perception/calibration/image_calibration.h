@@ -10,7 +10,7 @@
 namespace vantage {
 
 struct ImageCalibrationOptions {
-  HandEyeNoise noise;
+  HandEyeNoise noise = {};
   bool estimate_focal_lengths = false;  ///< fx, fy, cx, cy
   bool estimate_distortion = false;     ///< k1, k2, p1, p2 (k3 stays)
   bool estimate_robot_scale = false;
