@@ -14,27 +14,20 @@ namespace vantage {
 namespace {
 
 constexpr int kNotGood = 1;
-constexpr int kBadInput = 2;
-
-int Fail(const std::string& message) {
-  std::fprintf(stderr, "vantage-handeye: %s\n", message.c_str());
-  return kBadInput;
-}
-
-/// Both of one file: its hand-eye where it has a simulation of a hand.
+/// What one file tells.
 struct Setup {
   ExtrinsicsConfig extrinsics;
-  std::optional<Pose> truth;  ///< T_hand_camera
+  std::optional<Pose> truth;  ///< T_hand_camera of a simulated hand
   LiveBus::Options bus;
 };
 
-Result<Setup> ReadSetup(const LiveArguments& arguments) {
-  Result<ConfigReader> config = ConfigReader::Open(arguments.config);
+Result<Setup> ReadSetup(const std::string& file, const std::string& url) {
+  Result<ConfigReader> config = ConfigReader::Open(file);
   if (!config) return config.error();
   Setup setup;
   setup.bus = ReadBusOptions(*config);
   setup.bus.name = "handeye";
-  if (!arguments.url.empty()) setup.bus.url = arguments.url;
+  if (!url.empty()) setup.bus.url = url;
   Result<ExtrinsicsConfig> extrinsics = ReadExtrinsicsConfig(*config);
   std::optional<Result<SimConfig>> sim;
   if (config->Root().Has("sim")) sim = ReadSimConfig(*config);
@@ -47,26 +40,28 @@ Result<Setup> ReadSetup(const LiveArguments& arguments) {
   return setup;
 }
 
-/// Prints how far the result is from the truth; false when that is more than was asked for.
-bool IsNearTruth(const Pose& T_x, const Pose& truth, const LiveArguments& arguments) {
-  const double millimetres = 1e3 * (T_x.translation() - truth.translation()).norm();
-  const double degrees =
-      GeodesicAngle(Eigen::Quaterniond(T_x.linear()), Eigen::Quaterniond(truth.linear())) / kDegree;
-  std::printf("error against the simulation's truth: %.3f mm, %.4f deg\n", millimetres, degrees);
-  return millimetres <= arguments.max_error_mm.value_or(millimetres) &&
-         degrees <= arguments.max_error_deg.value_or(degrees);
-}
-
 }  // namespace
 
-int RunLive(const LiveArguments& arguments) {
-  Result<Setup> setup = ReadSetup(arguments);
-  if (!setup) return Fail(setup.error().message);
+LiveCommand::LiveCommand(CLI::App* app)
+    : command_(app->add_subcommand(
+          "live", "Calibrates with the robot on the bus, which moves itself before the target")) {
+  command_->add_option("--config,-c", config_, "TOML file of the set-up, with [extrinsics]")
+      ->required();
+  command_->add_option("--lcm-url", url_, "LCM URL; default: [bus] url, then LCM_DEFAULT_URL");
+  command_->add_option("--max-error-mm",
+                       max_error_mm_,
+                       "simulated set-ups: exit with 1 if the truth is farther off");
+  command_->add_option("--max-error-deg", max_error_deg_, "the same for the rotation");
+}
+
+Result<int> LiveCommand::Run() const {
+  Result<Setup> setup = ReadSetup(config_, url_);
+  if (!setup) return setup.error();
   const ExtrinsicsConfig& config = setup->extrinsics;
   Result<std::unique_ptr<LiveBus>> bus = LiveBus::Create(setup->bus);
-  if (!bus) return Fail(bus.error().message);
+  if (!bus) return bus.error();
   Result<std::unique_ptr<LiveCalibration>> live = LiveCalibration::Create(**bus, config);
-  if (!live) return Fail(live.error().message);
+  if (!live) return live.error();
   std::string told;
   while (!(*live)->finished()) {
     (*bus)->Dispatch(std::chrono::milliseconds(50));
@@ -78,21 +73,28 @@ int RunLive(const LiveArguments& arguments) {
   }
   const std::optional<HandEyeResult>& result = (*live)->result();
   std::printf("ended: %s\n", (*live)->remark().c_str());
-  if (!result) return Fail("no calibration: " + (*live)->remark());
+  if (!result) return Error{ErrorCode::kUnavailable, "no calibration: " + (*live)->remark()};
   if (!result->observability.is_sufficient) {
     std::printf("not written: %s\n", result->observability.reason.c_str());
     return kNotGood;
   }
   const HandEyeFile calibration = MakeHandEyeFile(*result, config.camera, (*live)->last_utime());
   if (Result<void> written = WriteHandEyeFile(calibration, config.calibration); !written) {
-    return Fail(written.error().message);
+    return written.error();
   }
   std::printf("written: %s, known to %.3f mm and %.4f deg (95 %%)\n",
               config.calibration.c_str(),
               1e3 * (*live)->translation_bound(),
               (*live)->rotation_bound() / kDegree);
   if (!setup->truth) return 0;
-  return IsNearTruth(result->T_x, *setup->truth, arguments) ? 0 : kNotGood;
+  const double millimetres = 1e3 * (result->T_x.translation() - setup->truth->translation()).norm();
+  const double degrees = GeodesicAngle(Eigen::Quaterniond(result->T_x.linear()),
+                                       Eigen::Quaterniond(setup->truth->linear())) /
+                         kDegree;
+  std::printf("error against the simulation's truth: %.3f mm, %.4f deg\n", millimetres, degrees);
+  const bool is_near = millimetres <= max_error_mm_.value_or(millimetres) &&
+                       degrees <= max_error_deg_.value_or(degrees);
+  return is_near ? 0 : kNotGood;
 }
 
 }  // namespace vantage

@@ -1,22 +1,29 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
+#include "common/result.h"
+
 namespace vantage {
 
-/// What `vantage-handeye live` is asked.
-struct LiveArguments {
-  std::string config;  ///< TOML file of the set-up, with a table [extrinsics]
-  std::string url;     ///< LCM URL; empty: [bus] url, then LCM_DEFAULT_URL
-  /// Where the set-up is simulated: fail when the result is farther from the truth than this.
-  std::optional<double> max_error_mm;
-  std::optional<double> max_error_deg;
-};
+/// `vantage-handeye live`: calibrates with the robot that is on the bus, and writes the file that
+/// [extrinsics] names.
+class LiveCommand {
+ public:
+  explicit LiveCommand(CLI::App* app);
+  [[nodiscard]] bool IsChosen() const { return command_->parsed(); }
+  /// @return the exit code: 1 when the motions did not fix the calibration, or it is farther from a
+  /// simulation's truth than was allowed.
+  [[nodiscard]] Result<int> Run() const;
 
-/// Calibrates with the robot that is on the bus, and writes the file that [extrinsics] names.
-/// @return the exit code: 0; 1 when the motions did not fix the calibration or the error is too
-/// large; 2 after an error, which is printed as one sentence.
-int RunLive(const LiveArguments& arguments);
+ private:
+  CLI::App* command_;
+  std::string config_;
+  std::string url_;
+  std::optional<double> max_error_mm_;
+  std::optional<double> max_error_deg_;
+};
 
 }  // namespace vantage
