@@ -8,6 +8,7 @@
 #include "nodes/command_line.h"
 #include "tools/handeye/calibrate_command.h"
 #include "tools/handeye/draw_target_command.h"
+#include "tools/handeye/live_command.h"
 #include "tools/handeye/suggest_command.h"
 
 namespace vantage {
@@ -18,10 +19,12 @@ int Run(int argc, char** argv) {
   app.require_subcommand(1);
   CalibrateCommand calibrate(&app);
   DrawTargetCommand draw_target(&app);
+  LiveCommand live(&app);
   SuggestCommand suggest(&app);
   if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
   const Result<int> done = calibrate.IsChosen()     ? calibrate.Run()
                            : draw_target.IsChosen() ? draw_target.Run()
+                           : live.IsChosen()        ? live.Run()
                                                     : suggest.Run();
   if (!done) {
     std::fprintf(stderr, "vantage-handeye: %s\n", done.error().message.c_str());
