@@ -19,6 +19,7 @@
 
 #include "common/format.h"
 #include "nodes/config_reader.h"
+#include "nodes/extrinsics_config.h"
 #include "nodes/fusion_config.h"
 #include "nodes/openni2_config.h"
 #include "nodes/ppf_config.h"
@@ -171,6 +172,10 @@ const std::map<std::string, ReadConfig>& Readers() {
       {"vantage-shot", [](ConfigReader& config) { return Finish(config, ReadShotConfig(config)); }},
       {"vantage-fusion",
        [](ConfigReader& config) { return Finish(config, ReadFusionConfig(config)); }},
+      {"vantage-extrinsics",
+       [](ConfigReader& config) { return Finish(config, ReadExtrinsicsConfig(config)); }},
+      {"vantage-handeye",
+       [](ConfigReader& config) { return Finish(config, ReadExtrinsicsConfig(config)); }},
       {"vantage-sim-arm",
        [](ConfigReader& config) { return Finish(config, LoadSimConfig(config)); }},
   };
@@ -209,7 +214,8 @@ Outcome ReadBy(const std::string& reader, const toml::table& file) {
 toml::table Base(const Document& document, const DocTable& table) {
   if (table.path.empty()) return toml::parse(document.examples.at(2));
   toml::table base = toml::parse(document.examples.at(0) + document.examples.at(1) +
-                                 document.examples.at(3) + document.examples.at(5));
+                                 document.examples.at(3) + document.examples.at(5) +
+                                 document.examples.at(6));
   base["models"].as_table()->insert_or_assign("folder", (kSource / "models").string());
   return base;
 }
@@ -333,7 +339,7 @@ class ConfigDocument : public testing::Test {
 };
 
 TEST_F(ConfigDocument, HasTablesWithReadersAndExamples) {
-  ASSERT_EQ(document_.examples.size(), 6U);
+  ASSERT_EQ(document_.examples.size(), 7U);
   EXPECT_GT(document_.tables.size(), 10U);
   for (const DocTable& table : document_.tables) {
     EXPECT_FALSE(table.readers.empty()) << table.heading << " has no line \"Read by\"";
@@ -477,6 +483,7 @@ std::map<std::string, std::string> ErrorsOf(const fs::path& file) {
   std::set<std::string> readers = {"every process", "vantage-ppf"};
   if (!made_later) readers.insert("vantage-fusion");
   if (content["sim"].is_table()) readers.insert("vantage-sim-arm");
+  if (content["extrinsics"].is_table()) readers.insert("vantage-extrinsics");
   for (const auto& [name, camera] : *content["camera"].as_table()) {
     if (camera.as_table()->contains("device")) readers.insert("vantage-openni2");
   }
