@@ -16,6 +16,7 @@
 #include "nodes/command_line.h"
 #include "nodes/config_reader.h"
 #include "nodes/estimator_node.h"
+#include "nodes/extrinsics_node.h"
 #include "nodes/fusion_node.h"
 #include "nodes/ppf_config.h"
 #include "nodes/shot_config.h"
@@ -31,16 +32,22 @@ namespace {
 constexpr const char* kRecomputed =
     "DETECTIONS_.*|OBJECTS|ORIENTATION_HISTOGRAM|NEXT_VIEW|ARM_STATUS|PROCESS_STATUS";
 
+// What vantage-extrinsics publishes.
+constexpr const char* kRecomputedExtrinsics =
+    "|CAMERA_.*_TO_WORLD|NEXT_HAND_POSE|HANDEYE_RESULT|HANDEYE_CHECK";
+
 struct Arguments {
   std::string log;
   std::string config;
   std::string output;
   bool with_inputs = false;
+  bool with_extrinsics = false;
   std::vector<std::string> estimators = {"ppf"};
 };
 
 /// The nodes of one rerun. They outlive the bus's last step.
 struct Nodes {
+  std::unique_ptr<Node> extrinsics;
   std::vector<std::unique_ptr<Node>> estimators;
   std::unique_ptr<Node> fusion;
 };
@@ -70,6 +77,13 @@ Result<uint64_t> ReadSeed(ConfigReader& config, const std::string& estimator) {
 
 Result<Nodes> MakeNodes(Bus& bus, const Arguments& arguments) {
   Nodes nodes;
+  if (arguments.with_extrinsics) {
+    Result<ConfigReader> own = OpenConfig(arguments.config, arguments.log);
+    if (!own) return own.error();
+    Result<std::unique_ptr<Node>> extrinsics = MakeExtrinsicsNode(bus, *own, {});
+    if (!extrinsics) return extrinsics.error();
+    nodes.extrinsics = std::move(extrinsics).value();
+  }
   for (const std::string& name : arguments.estimators) {
     Result<std::unique_ptr<Node>> estimator = MakeEstimator(bus, arguments, name);
     if (!estimator) return estimator.error();
@@ -148,6 +162,7 @@ Result<void> Replay(const Arguments& arguments) {
   }
   LogBus::Options options;
   options.suppress = kRecomputed;
+  if (arguments.with_extrinsics) options.suppress += kRecomputedExtrinsics;
   options.copy_inputs = arguments.with_inputs;
   options.header.version = VANTAGE_VERSION;
   options.header.config_text = config->text();
@@ -198,6 +213,9 @@ int main(int argc, char** argv) {
   app.add_option("--estimator", arguments.estimators, "ppf, shot, or both; default: ppf")
       ->check(CLI::IsMember({"ppf", "shot"}));
   app.add_flag("--with-inputs", arguments.with_inputs, "copy what is read into the output too");
+  app.add_flag("--extrinsics",
+               arguments.with_extrinsics,
+               "camera poses anew too, from HAND_TO_BASE by the calibration of [extrinsics]");
   if (const std::optional<int> code = vantage::ParseCommandLine(app, argc, argv)) return *code;
   if (const vantage::Result<void> done = vantage::Replay(arguments); !done) {
     std::fprintf(stderr, "vantage-replay: %s\n", done.error().message.c_str());
