@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 
 constexpr int kMostRounds = 15;
 /// Where the noise changes by less from round to round, it is settled.
-constexpr double kSettled = 0.01;
+constexpr double kSettled = 0.02;
 /// Standard deviations beyond which a point counts less, by the square of how much it is beyond.
 constexpr double kFarPoint = 3.0;
 /// Chance that a set of views without outliers loses any.

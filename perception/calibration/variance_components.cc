@@ -15,7 +15,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// The least noise by what was told: below, rounding counts.
 constexpr double kLeastNoise = 0.02;
 /// As many degrees of freedom the told ratio of the robot's rotation and translation counts.
-constexpr double kRatioFreedom = 3.0;
+constexpr double kRatioFreedom = 1.0;
 
 /// Information and gradient of one view, whitened.
 struct Whitened {
