@@ -15,8 +15,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kMostWeightings = 3;
-constexpr int kMostIterations = 50;
+constexpr int kMostIterations = 20;
 
 /// A Ceres problem with the parameters it points to.
 class CeresProblem {
@@ -183,18 +182,9 @@ AdjustmentLinearization Linearize(const AdjustmentProblem& problem,
 AdjustmentState AdjustPoses(const AdjustmentProblem& problem,
                             std::span<const AdjustmentView> views,
                             const AdjustmentState& start) {
-  AdjustmentState state = start;
-  for (int i = 0; i < kMostWeightings; ++i) {
-    CeresProblem ceres(problem, views, state);
-    ceres.Solve();
-    const AdjustmentState before = state;
-    state = ceres.State();
-    // Weights change by the lever arm and the turn of the camera's noise, both slowly.
-    const double moved =
-        (state.transforms.T_x.matrix() - before.transforms.T_x.matrix()).cwiseAbs().maxCoeff();
-    if (moved < 1e-3) break;
-  }
-  return state;
+  CeresProblem ceres(problem, views, start);
+  ceres.Solve();
+  return ceres.State();
 }
 
 AdjustmentState Moved(const AdjustmentProblem& problem,

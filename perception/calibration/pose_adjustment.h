@@ -71,8 +71,8 @@ AdjustmentLinearization Linearize(const AdjustmentProblem& problem,
                                   std::span<const AdjustmentView> views,
                                   const AdjustmentState& state);
 
-/// The state that minimizes the whitened residuals, found from one close by. Their covariances are
-/// evaluated anew at the solution, a bounded number of times.
+/// The state that minimizes the residuals, whitened by their covariances at the start: those change
+/// with lever arms alone, so that a start from a solution settles them.
 AdjustmentState AdjustPoses(const AdjustmentProblem& problem,
                             std::span<const AdjustmentView> views,
                             const AdjustmentState& start);

@@ -168,11 +168,11 @@ class Calibrator {
     return has_any;
   }
 
-  /// Adjusts and renews scales and outliers in turn until they stay.
+  /// Adjusts and renews weights, scales and outliers in turn until they stay.
   void Settle() {
     for (int round = 0; round < kMostRounds; ++round) {
       Adjust();
-      if (!Reconsider()) return;
+      if (!Reconsider() && round > 0) return;
     }
   }
 

@@ -65,6 +65,57 @@ ResidualScales NewScales(const ResidualScales& present,
   return {common, common};
 }
 
+/// Information and covariance of the views used, and of every view what the estimate takes from its
+/// residual: the hat matrix's blocks on the diagonal.
+std::vector<Matrix6d> SetInformation(const AdjustmentLinearization& linearization,
+                                     const std::vector<bool>& uses,
+                                     ResidualStatistics* statistics) {
+  const Eigen::MatrixXd& jacobian = linearization.jacobian;
+  statistics->information = Eigen::MatrixXd::Zero(jacobian.cols(), jacobian.cols());
+  for (size_t i = 0; i < uses.size(); ++i) {
+    if (!uses[i]) continue;
+    const auto rows = jacobian.middleRows<6>(RowOf(i));
+    statistics->information.noalias() += rows.transpose() * rows;
+  }
+  statistics->covariance = CovarianceOf(statistics->information);
+  std::vector<Matrix6d> hat;
+  for (size_t i = 0; i < uses.size(); ++i) {
+    const auto rows = jacobian.middleRows<6>(RowOf(i));
+    hat.emplace_back(rows * statistics->covariance * rows.transpose());
+  }
+  return hat;
+}
+
+/// By studentized residuals, of the views used by what the others say (Cook, Weisberg, "Residuals
+/// and Influence in Regression", 1982, section 2.2).
+/// @param by_scale from whitened residuals to those of the new scales.
+std::vector<bool> FindOutliers(const AdjustmentLinearization& linearization,
+                               const std::vector<bool>& uses,
+                               const std::vector<Matrix6d>& hat,
+                               const Vector6d& by_scale,
+                               double freedom) {
+  std::vector<bool> is_outlier(uses.size(), false);
+  if (freedom < 6.5) return is_outlier;  // Too few to tell.
+  const double chance = kFalseAlarms / static_cast<double>(uses.size());
+  const double limit_inside = FisherQuantile(6.0, freedom - 6.0, 1.0 - chance);
+  const double limit_outside = FisherQuantile(6.0, freedom, 1.0 - chance);
+  for (size_t i = 0; i < uses.size(); ++i) {
+    const Vector6d residual = by_scale.cwiseProduct(linearization.residuals.segment<6>(RowOf(i)));
+    if (uses[i]) {
+      const Matrix6d left = Matrix6d::Identity() - hat[i];
+      // A view that takes almost all that there is of a direction can't be told from the others.
+      if (left.determinant() < 1e-6) continue;
+      const double squared = residual.dot(left.ldlt().solve(residual));
+      const double rest = std::max(freedom - squared, 1e-9) / (freedom - 6.0);
+      is_outlier[i] = squared / 6.0 > limit_inside * rest;
+    } else {
+      const Matrix6d spread = Matrix6d::Identity() + hat[i];
+      is_outlier[i] = residual.dot(spread.ldlt().solve(residual)) / 6.0 > limit_outside;
+    }
+  }
+  return is_outlier;
+}
+
 }  // namespace
 
 Eigen::MatrixXd CovarianceOf(const Eigen::MatrixXd& information) {
@@ -82,22 +133,10 @@ ResidualStatistics EvaluateResiduals(const AdjustmentLinearization& linearizatio
                                      const std::vector<bool>& uses,
                                      const ResidualScales& present) {
   ResidualStatistics statistics;
-  const Eigen::MatrixXd& jacobian = linearization.jacobian;
-  statistics.information = Eigen::MatrixXd::Zero(jacobian.cols(), jacobian.cols());
-  for (size_t i = 0; i < uses.size(); ++i) {
-    if (!uses[i]) continue;
-    const auto rows = jacobian.middleRows<6>(RowOf(i));
-    statistics.information.noalias() += rows.transpose() * rows;
-  }
-  statistics.covariance = CovarianceOf(statistics.information);
-
-  // What the estimate takes from each residual: the hat matrix's blocks on the diagonal.
-  std::vector<Matrix6d> hat(uses.size());
+  const std::vector<Matrix6d> hat = SetInformation(linearization, uses, &statistics);
   double rotation_sum = kLeastSum;
   double translation_sum = kLeastSum;
   for (size_t i = 0; i < uses.size(); ++i) {
-    const auto rows = jacobian.middleRows<6>(RowOf(i));
-    hat[i] = rows * statistics.covariance * rows.transpose();
     if (!uses[i]) continue;
     const Vector6d residual = linearization.residuals.segment<6>(RowOf(i));
     rotation_sum += residual.head<3>().squaredNorm();
@@ -106,32 +145,15 @@ ResidualStatistics EvaluateResiduals(const AdjustmentLinearization& linearizatio
     statistics.translation_freedom += 3.0 - hat[i].bottomRightCorner<3, 3>().trace();
   }
   statistics.scales = NewScales(present, rotation_sum, translation_sum, statistics);
-
-  // Studentized residuals, of the views used by what the others say (Cook, Weisberg, "Residuals and
-  // Influence in Regression", 1982, section 2.2).
   Vector6d by_scale;
   by_scale << Eigen::Vector3d::Constant(present.rotation / statistics.scales.rotation),
       Eigen::Vector3d::Constant(present.translation / statistics.scales.translation);
-  const double freedom = statistics.rotation_freedom + statistics.translation_freedom;
-  const double chance = kFalseAlarms / static_cast<double>(uses.size());
-  statistics.is_outlier.assign(uses.size(), false);
-  if (freedom < 6.5) return statistics;  // Too few to tell.
-  const double limit_inside = FisherQuantile(6.0, freedom - 6.0, 1.0 - chance);
-  const double limit_outside = FisherQuantile(6.0, freedom, 1.0 - chance);
-  for (size_t i = 0; i < uses.size(); ++i) {
-    const Vector6d residual = by_scale.cwiseProduct(linearization.residuals.segment<6>(RowOf(i)));
-    if (uses[i]) {
-      const Matrix6d left = Matrix6d::Identity() - hat[i];
-      const double squared = residual.dot(left.ldlt().solve(residual));
-      // A view that takes almost all that there is of a direction can't be told from the others.
-      if (left.determinant() < 1e-6) continue;
-      const double rest = std::max(freedom - squared, 1e-9) / (freedom - 6.0);
-      statistics.is_outlier[i] = squared / 6.0 > limit_inside * rest;
-    } else {
-      const Matrix6d spread = Matrix6d::Identity() + hat[i];
-      statistics.is_outlier[i] = residual.dot(spread.ldlt().solve(residual)) / 6.0 > limit_outside;
-    }
-  }
+  statistics.is_outlier =
+      FindOutliers(linearization,
+                   uses,
+                   hat,
+                   by_scale,
+                   statistics.rotation_freedom + statistics.translation_freedom);
   return statistics;
 }
 

@@ -48,7 +48,7 @@ std::string ErrorPanel(const HandEyeResults& results, double share, size_t panel
   const double left = 0.25;
   const double width = (0.98 - left) / static_cast<double>(panels);
   const double begin = left + width * static_cast<double>(panel);
-  std::string script = PlacePanel({begin + 0.01, begin + width - 0.01, 0.2, 0.9});
+  std::string script = PlacePanel({begin + 0.01, begin + width - 0.01, 0.25, 0.92});
   script += Format(
       "unset label\nset title '%.0f %% outliers'\nset logscale x\nset xrange [0.1:%g]\n"
       "set format x '%%g'\nset yrange [0.4:%zu.6]\nunset ytics\nset xlabel 'median error (mm)'\n",
@@ -57,7 +57,7 @@ std::string ErrorPanel(const HandEyeResults& results, double share, size_t panel
       num_methods);
   if (panel == 0) script += RowLabels(results.methods);
   // The key is below the middle panel.
-  script += panel == 1 ? "set key at screen 0.6, 0.05 center horizontal maxcols 2 samplen 1\n"
+  script += panel == 1 ? "set key at screen 0.62, 0.04 center horizontal maxrows 1 samplen 1\n"
                        : "unset key\n";
   std::string plot;
   double offset = 0.14;
@@ -88,7 +88,7 @@ std::string ErrorPanel(const HandEyeResults& results, double share, size_t panel
 
 std::string ErrorScript(const HandEyeResults& results) {
   const std::vector<double> shares = OutlierShares(results);
-  std::string script = FigureHead(1120, 430) +
+  std::string script = FigureHead(1120, 460) +
                        "set border 1 lc rgb '#888888'\nset grid xtics noytics\nset multiplot\n";
   for (size_t panel = 0; panel < shares.size(); ++panel) {
     script += ErrorPanel(results, shares[panel], panel, shares.size());

@@ -77,6 +77,26 @@ std::optional<Pose> CalibrateRobotWorld(cv::RobotWorldHandEyeCalibrationMethod m
   return T_camera_x->inverse();
 }
 
+ceres::CostFunction* MakeCost(HandEyeSetup setup,
+                              const PoseView& view,
+                              const HandEyeNoise& noise,
+                              const HandEyeTransforms& start) {
+  AdjustmentView adjusted;
+  adjusted.T_base_hand = view.T_base_hand;
+  adjusted.T_camera_target = view.T_camera_target;
+  Eigen::Matrix<double, 6, 1> sigma;
+  sigma << Eigen::Vector3d::Constant(noise.camera_rotation),
+      Eigen::Vector3d::Constant(noise.camera_translation);
+  adjusted.camera_covariance = sigma.cwiseAbs2().asDiagonal();
+  AdjustmentProblem weights;
+  weights.setup = setup;
+  weights.noise = {noise.robot_rotation, noise.robot_translation, {}};
+  const Eigen::LLT<HandEyeCovariance> covariance(
+      ViewErrorCovariance(weights, adjusted, {start, 1.0, 0.0}));
+  return new ceres::AutoDiffCostFunction<PoseResidual, 6, 4, 3, 4, 3, 1, 1>(
+      new PoseResidual(setup, adjusted, covariance.matrixL().solve(HandEyeCovariance::Identity())));
+}
+
 std::optional<Pose> CalibrateWithCauchy(HandEyeSetup setup,
                                         std::span<const PoseView> views,
                                         const HandEyeNoise& noise) {
@@ -92,39 +112,15 @@ std::optional<Pose> CalibrateWithCauchy(HandEyeSetup setup,
   Eigen::Vector3d t_y = start->T_y.translation();
   double scale = 1.0;
   double offset = 0.0;
-
-  AdjustmentProblem weights;
-  weights.setup = setup;
-  weights.noise = {noise.robot_rotation, noise.robot_translation, {}};
-  ceres::EigenQuaternionManifold manifold;
-  ceres::CauchyLoss loss(1.0);
-  ceres::Problem::Options options;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(options);
+  ceres::Problem problem;
+  double* const parameters[] = {
+      q_x.coeffs().data(), t_x.data(), q_y.coeffs().data(), t_y.data(), &scale, &offset};
   for (const PoseView& view : views) {
-    AdjustmentView adjusted;
-    adjusted.T_base_hand = view.T_base_hand;
-    adjusted.T_camera_target = view.T_camera_target;
-    Eigen::Matrix<double, 6, 1> sigma;
-    sigma << Eigen::Vector3d::Constant(noise.camera_rotation),
-        Eigen::Vector3d::Constant(noise.camera_translation);
-    adjusted.camera_covariance = sigma.cwiseAbs2().asDiagonal();
-    const Eigen::LLT<HandEyeCovariance> covariance(
-        ViewErrorCovariance(weights, adjusted, {*start, 1.0, 0.0}));
-    const HandEyeCovariance whitening = covariance.matrixL().solve(HandEyeCovariance::Identity());
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PoseResidual, 6, 4, 3, 4, 3, 1, 1>(
-                                 new PoseResidual(setup, adjusted, whitening)),
-                             &loss,
-                             q_x.coeffs().data(),
-                             t_x.data(),
-                             q_y.coeffs().data(),
-                             t_y.data(),
-                             &scale,
-                             &offset);
+    problem.AddResidualBlock(
+        MakeCost(setup, view, noise, *start), new ceres::CauchyLoss(1.0), parameters, 6);
   }
-  problem.SetManifold(q_x.coeffs().data(), &manifold);
-  problem.SetManifold(q_y.coeffs().data(), &manifold);
+  problem.SetManifold(parameters[0], new ceres::EigenQuaternionManifold);
+  problem.SetManifold(parameters[2], new ceres::EigenQuaternionManifold);
   problem.SetParameterBlockConstant(&scale);
   problem.SetParameterBlockConstant(&offset);
   ceres::Solver::Options solver;
