@@ -61,6 +61,18 @@ Pose LastHandPose(const CalibrationInput& input) {
   return input.images.empty() ? input.poses.back().T_base_hand : input.images.back().T_base_hand;
 }
 
+void JudgeFit(const HandEyeResult& result, HandEyeRun* run) {
+  if (!result.observability.is_sufficient) run->refusals.push_back(result.observability.reason);
+  const auto outliers = std::ranges::count_if(result.views, &ViewResidual::is_outlier);
+  if (static_cast<double>(outliers) > kMostOutliers * static_cast<double>(result.views.size())) {
+    run->refusals.push_back(
+        Format("%td of %zu views contradict the others, expected half of them "
+               "at most",
+               outliers,
+               result.views.size()));
+  }
+}
+
 // Why a result is not to be used.
 void Judge(const CalibrationInput& input, HandEyeRun* run) {
   const HandEyeResult& result = run->result;
@@ -72,15 +84,8 @@ void Judge(const CalibrationInput& input, HandEyeRun* run) {
       (!measured || !diagnosis.mistakes.empty() || !diagnosis.remarks.empty())) {
     run->refusals.push_back(diagnosis.Text());
   }
-  if (!result.observability.is_sufficient) run->refusals.push_back(result.observability.reason);
-  const auto outliers = std::ranges::count_if(result.views, &ViewResidual::is_outlier);
-  if (static_cast<double>(outliers) > kMostOutliers * static_cast<double>(result.views.size())) {
-    run->refusals.push_back(
-        Format("%td of %zu views contradict the others, expected half of them "
-               "at most",
-               outliers,
-               result.views.size()));
-  }
+  // What poses that were read wrongly fix is of no interest.
+  if (diagnosis.mistakes.empty()) JudgeFit(result, run);
   run->warnings = diagnosis.warnings;
   run->warnings.insert(run->warnings.end(), input.notes.begin(), input.notes.end());
 }

@@ -14,11 +14,11 @@ namespace vantage {
 struct ImageFolderLayout {
   std::filesystem::path folder;
   /// "%d" stands for a number: image-%d.png; with pose_pattern.
-  std::string image_pattern;
+  std::string image_pattern = {};
   /// A file with the pose T_base_hand of the image of that number: 6 numbers (translation, rotation
   /// vector) or 16 (a matrix), as plain text or in the YAML of ViSP. Empty: the table poses.csv in
   /// the folder with columns image and hand_... .
-  std::string pose_pattern;
+  std::string pose_pattern = {};
 };
 
 /// An image and where the hand was.

@@ -140,7 +140,7 @@ Result<std::vector<RawView>> ReadPoseJson(const std::filesystem::path& file) {
     if (!list.is_array()) Refuse("expected {\"views\": [...]} or a list of pairs of matrices");
     std::vector<RawView> views;
     for (const json& each : list) {
-      place = Format("[%zu]: ", index);
+      place = Format("[%zu]:", index);
       views.push_back(ours ? NamedView(each, index) : MoveItView(each, index));
       ++index;
     }
