@@ -303,6 +303,46 @@ TEST_F(HandEyeTool, CalibratesFromALog) {
   EXPECT_NE(cut.text.find("the log is damaged"), std::string::npos) << cut.text;
 }
 
+TEST_F(HandEyeTool, CalibratesFromDetections) {
+  const std::vector<PosePair> pairs = Simulate(12, 0.3, kMount);
+  auto writer = EventLogWriter::Create(scratch() / "a.lcm");
+  ASSERT_TRUE(writer.ok());
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const int64_t arrival = kStart + static_cast<int64_t>(i) * 2'000'000;
+    for (int64_t t = 0; t <= 1'000'000; t += 50'000) {
+      const auto bytes = Encode(PoseToMessage(pairs[i].T_base_hand, arrival + t));
+      ASSERT_TRUE((*writer)->Write(arrival + t, "HAND_TO_BASE", bytes).ok());
+    }
+    Detection detection;
+    detection.model_id = "mug";
+    detection.T_camera_object = pairs[i].T_camera_target;
+    detection.verification_score = 0.8;
+    Detection worse = detection;
+    worse.T_camera_object.translation().x() += 0.1;
+    worse.verification_score = 0.5;
+    DetectionSet set;
+    set.utime = arrival + 500'000;
+    set.camera = "FRONT";
+    set.estimator = "ppf";
+    set.detections = {worse, detection};
+    const auto bytes = Encode(DetectionsToMessage(set));
+    ASSERT_TRUE((*writer)->Write(set.utime, "DETECTIONS_PPF", bytes).ok());
+  }
+  ASSERT_TRUE((*writer)->Close().ok());
+  const std::string models = VANTAGE_SOURCE_DIR "/models/";
+  const std::string arguments =
+      "calibrate --setup eye-in-hand --camera FRONT --log a.lcm --detections DETECTIONS_PPF "
+      "--model ";
+  const ProgramOutput output = Run(arguments + models + "mug --output o");
+  ASSERT_EQ(output.exit_code, 0) << output.text;
+  const Result<HandEyeFile> file = ReadHandEyeFile(scratch() / "o" / "handeye.toml");
+  ASSERT_TRUE(file.ok()) << file.error().message;
+  EXPECT_EQ(file->num_views, 12);
+  EXPECT_LT((file->T_x.translation() - kMount.translation()).norm(), 0.001) << output.text;
+  ExpectRefused(arguments + models + "duck", "holds a detection of duck");
+  ExpectRefused(arguments + "none", "none");
+}
+
 TEST_F(HandEyeTool, RefusesImagesThatAreNone) {
   Write("camera.toml",
         "width_px = 480\nheight_px = 360\nfx_px = 430\nfy_px = 430\ncx_px = 240\ncy_px = 180\n");
