@@ -38,6 +38,8 @@
 #include "tools/evaluate/handeye_report.h"
 #include "tools/evaluate/handeye_text.h"
 #include "tools/evaluate/method_cache.h"
+#include "tools/evaluate/refinement_report.h"
+#include "tools/evaluate/refinement_study.h"
 #include "tools/evaluate/report_writer.h"
 #include "tools/evaluate/tuning.h"
 #include "tools/support/gnuplot.h"
@@ -52,6 +54,7 @@ namespace fs = std::filesystem;
 constexpr int kEvaluationSequences = 60;
 constexpr int kTuningSequences = 10;
 constexpr int kConfusionSequences = 40;
+constexpr int kRefinementSequences = 20;
 constexpr int kHandEyeTrials = 1000;
 constexpr int kEvaluationViews = 12;
 constexpr int kConfusionViews = 15;
@@ -62,8 +65,10 @@ struct Arguments {
   bool confusion = false;
   bool tune = false;
   bool handeye = false;
-  std::string dataset;  // Folder; empty: not that work.
-  std::string meshes;   // Empty: beside the dataset.
+  bool refinement = false;
+  std::string turntable;  // Folder of real views for --refinement; empty: none.
+  std::string dataset;    // Folder; empty: not that work.
+  std::string meshes;     // Empty: beside the dataset.
   std::string estimator = "all";
   std::vector<std::string> methods;
   std::string models = "models";
@@ -376,6 +381,52 @@ Result<int> EvaluateHandEyes(const Arguments& arguments) {
   return missed.empty() ? 0 : 1;
 }
 
+/// @return the exit code.
+Result<int> EvaluateRefinement(const Arguments& arguments) {
+  const Interrupt interrupt("the sequence in work");
+  const fs::path folder =
+      fs::path(arguments.output) / (arguments.name.empty() ? "refinement" : arguments.name);
+  if (const auto prepared = PrepareOutput(folder); !prepared) return prepared.error();
+  const Result<std::vector<ObjectModel>> models = LoadModels(arguments);
+  if (!models) return models.error();
+  RefinementStudyResults results;
+  results.command = "vantage-evaluate --refinement" + OptionsText(arguments);
+  results.version = VANTAGE_VERSION;
+  results.seed = arguments.seed;
+  const RefinementRequest request{fs::path(arguments.output) / "cache",
+                                  arguments.sequences,
+                                  arguments.views,
+                                  arguments.seed,
+                                  arguments.threads};
+  {
+    ShownProgress bar("sequences refined");
+    const Result<bool> is_complete = StudyRefinement(
+        *models,
+        request,
+        interrupt.token(),
+        [&bar](int64_t done, int64_t total) { bar.Show(done, total); },
+        &results);
+    if (!is_complete) return is_complete.error();
+    if (!*is_complete) return kInterrupted;
+  }
+  if (!arguments.turntable.empty()) {
+    results.command += " --turntable " + arguments.turntable;
+    const fs::path meshes = arguments.meshes.empty()
+                                ? fs::path(arguments.turntable) / ".." / "meshes"
+                                : fs::path(arguments.meshes);
+    const Result<TurntableRefinement> turntable = RefineTurntable(arguments.turntable, meshes);
+    if (!turntable) return turntable.error();
+    results.turntable = *turntable;
+  }
+  if (const auto written = WriteRefinementReport(results, folder); !written) {
+    return written.error();
+  }
+  std::printf("%s%s\n", RefinementText(results).c_str(), (folder / "report.html").c_str());
+  const std::vector<std::string> missed = MissedBars(results);
+  for (const std::string& bar : missed) std::fprintf(stderr, "%s\n", bar.c_str());
+  return arguments.check && !missed.empty() ? 1 : 0;
+}
+
 std::string DatasetCommand(const Arguments& arguments) {
   std::string command = "vantage-evaluate --dataset " + arguments.dataset;
   if (!arguments.meshes.empty()) command += " --meshes " + arguments.meshes;
@@ -452,12 +503,18 @@ int Main(int argc, char** argv) {
                  "Tries parameters of every method on sequences of the seed plus 1000");
   work->add_flag(
       "--handeye", arguments.handeye, "Hand-eye calibration from simulated poses against OpenCV's");
+  work->add_flag("--refinement",
+                 arguments.refinement,
+                 "Poses from the depth of all views together, beside the fused ones");
   work->add_option("--dataset",
                    arguments.dataset,
                    "Evaluates estimators on real views: a folder of a dataset, or of several");
   work->require_option(1);
   app.add_option(
       "--meshes", arguments.meshes, "Meshes of the datasets, by default DATASET/../meshes");
+  app.add_option("--turntable",
+                 arguments.turntable,
+                 "Real views of an object on a turntable that --refinement takes too: a folder");
   app.add_option("--estimator", arguments.estimator, "One of them, or all, on the datasets")
       ->capture_default_str();
   app.add_option("--method", arguments.methods, "Methods to tune, by id; all of them by default");
@@ -496,17 +553,19 @@ int Main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--name",
                  arguments.name,
-                 "The report goes to OUTPUT/NAME, by default paper, confusion, dataset or handeye");
+                 "The report goes to OUTPUT/NAME, by default paper, confusion, dataset, handeye "
+                 "or refinement");
   app.add_flag("--check", arguments.check, "Exit with 1 where a bar is missed");
   if (const auto code = ParseCommandLine(app, argc, argv)) return *code;
   if (arguments.threads == 0) {
     arguments.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   }
   if (arguments.sequences < 0) {
-    arguments.sequences = arguments.tune        ? kTuningSequences
-                          : arguments.confusion ? kConfusionSequences
-                          : arguments.handeye   ? kHandEyeTrials
-                                                : kEvaluationSequences;
+    arguments.sequences = arguments.tune         ? kTuningSequences
+                          : arguments.confusion  ? kConfusionSequences
+                          : arguments.refinement ? kRefinementSequences
+                          : arguments.handeye    ? kHandEyeTrials
+                                                 : kEvaluationSequences;
   }
   if (arguments.views < 0) {
     arguments.views = arguments.confusion ? kConfusionViews : kEvaluationViews;
@@ -515,6 +574,7 @@ int Main(int argc, char** argv) {
                            : arguments.tune           ? Tune(arguments)
                            : arguments.confusion      ? EvaluateConfusions(arguments)
                            : arguments.handeye        ? EvaluateHandEyes(arguments)
+                           : arguments.refinement     ? EvaluateRefinement(arguments)
                                                       : Evaluate(arguments);
   if (code) return *code;
   std::fprintf(stderr, "vantage-evaluate: %s\n", code.error().message.c_str());

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kFewestPixels = 50;    // Of an object in a view that is to count.
 constexpr int kFirstPoints = 1500;   // Drawn of a model in a view, but for the last round.
-constexpr double kSharedBias = 0.7;  // Of the bias's variance, what all views have alike.
+constexpr double kSharedBias = 0.5;  // Of the bias's variance, what all views have alike.
 constexpr double kMostNoise = 4.0;
 constexpr double kLeastNoise = 0.05;  // Variance of the noise, of the parameters' one.
 
@@ -247,7 +247,7 @@ class MultiViewRefiner::Impl {
                                        const Agreement& after,
                                        const Matrix6& covariance) const {
     constexpr double kAsWell = 1.1;     // Times the cost at the start: it is not what is minimized.
-    constexpr double kAsMuch = 0.9;     // Of the measurements at the start.
+    constexpr double kAsMuch = 0.5;     // Of the measurements: faces seen at a slant come and go.
     constexpr double kExplained = 0.5;  // Of the measurements, at least.
     const RefinementStart& start = starts_[object];
     const Pose& T = state_.T_world_object[i];
