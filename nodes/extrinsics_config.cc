@@ -53,9 +53,9 @@ Result<ExtrinsicsConfig> ReadExtrinsicsConfig(ConfigReader& config) {
   config.Root().Require("extrinsics");
   Table table = config.Root().Sub("extrinsics");
   table.Read("camera", &read.camera);
-  std::string setup = "eye_in_hand";
-  table.ReadChoice("setup", &setup, {"eye_in_hand", "eye_to_hand"});
-  if (setup == "eye_to_hand") read.setup = HandEyeSetup::kEyeToHand;
+  std::string setup = "eye-in-hand";
+  table.ReadChoice("setup", &setup, {"eye-in-hand", "eye-to-hand"});
+  if (setup == "eye-to-hand") read.setup = HandEyeSetup::kEyeToHand;
   table.Require("calibration");
   table.ReadPath("calibration", &read.calibration);
   table.Read("hand_channel", &read.hand_channel);
