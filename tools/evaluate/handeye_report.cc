@@ -41,7 +41,8 @@ std::string BarsTable(const HandEyeResults& results) {
             HtmlCell(Format("%.3f %s", bar.value, bar.unit.c_str())) +
             HtmlCell(bar.met ? "● met" : "○ missed", bar.met ? "met" : "missed") + "</tr>";
   }
-  return TableCard(rows, "30 views unless said otherwise; the time is the median of all trials.");
+  return TableCard(
+      rows, "30 views unless said otherwise; the time is the median of all trials on one core.");
 }
 
 /// The methods of one cell, best in bold.

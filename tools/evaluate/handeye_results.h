@@ -22,7 +22,7 @@ struct HandEyeCell {
   Interval rmse_deg;
   Interval ratio_translation;  ///< of the RMSE to the Cramer-Rao bound's
   Interval ratio_rotation;
-  double median_ms = 0.0;  ///< a solve
+  double median_ms = 0.0;  ///< a solve, time of one core
   double least_ms = 0.0;
 };
 
