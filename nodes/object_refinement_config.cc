@@ -21,6 +21,8 @@ ObjectRefinementConfig ReadObjectRefinementConfig(ConfigReader& config) {
   read_scaled("max_translation_mm", 1e-3, 0.01, 1000.0, &result.max_translation);
   read_scaled("robot_rotation_deg", kDegree, 1e-4, 10.0, &parameters.camera_rotation);
   read_scaled("robot_translation_mm", 1e-3, 1e-4, 1000.0, &parameters.camera_translation);
+  read_scaled("marker_rotation_deg", kDegree, 0.0, 10.0, &parameters.view_rotation);
+  read_scaled("marker_translation_mm", 1e-3, 0.0, 1000.0, &parameters.view_translation);
   table.Read("adjust_hand_eye", &parameters.adjust_hand_eye);
   return result;
 }

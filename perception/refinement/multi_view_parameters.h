@@ -9,8 +9,8 @@ namespace vantage {
 struct MultiViewParameters {
   int rounds = 4;     ///< so often correspondences are renewed, the last time all pixels count
   int points = 8000;  ///< pixels of a model drawn in a view at last, about
-  int edge_px =
-      0;  ///< px beyond the outermost, of silhouettes and steps of the drawn model, left out
+  /// px beyond the outermost, of silhouettes and steps of the drawn model, left out.
+  int edge_px = 0;
   double correlation_px = 1.5;  ///< px, of the smooth part of the noise, see ViewEvidenceGatherer
   /// Standard deviations of a camera's pose about what the robot tells, rad and m.
   double camera_rotation = 0.02 * kDegree;
