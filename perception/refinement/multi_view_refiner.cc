@@ -14,7 +14,8 @@ namespace vantage {
 namespace {
 
 constexpr int kFewestPixels = 50;    // Of an object in a view that is to count.
-constexpr int kFirstPoints = 1500;   // Drawn of a model in a view, but for the last round.
+constexpr int kFirstPoints = 1500;   // Drawn of a model in a view, but for the last round,
+constexpr int kJudgedPoints = 2000;  // and to tell which of two poses the depth agrees with.
 constexpr double kSharedBias = 0.5;  // Of the bias's variance, what all views have alike.
 constexpr double kMostNoise = 4.0;
 constexpr double kLeastNoise = 0.05;  // Variance of the noise, of the parameters' one.
@@ -217,8 +218,7 @@ class MultiViewRefiner::Impl {
       for (const size_t object : active) outcomes.emplace_back(object, Refused(object, why));
     };
     if (active.empty()) return outcomes;
-    const std::vector<Agreement> before =
-        Look(active, parameters_.points, Weighing::kAlike, nullptr);
+    const std::vector<Agreement> before = Look(active, kJudgedPoints, Weighing::kAlike, nullptr);
     std::vector<Matrix6> covariances;
     for (int round = 0; round < parameters_.rounds; ++round) {
       const bool is_last = round + 1 == parameters_.rounds;
@@ -233,8 +233,7 @@ class MultiViewRefiner::Impl {
       }
     }
     std::fill(noise_.begin(), noise_.end(), 1.0);
-    const std::vector<Agreement> after =
-        Look(active, parameters_.points, Weighing::kAlike, nullptr);
+    const std::vector<Agreement> after = Look(active, kJudgedPoints, Weighing::kAlike, nullptr);
     for (size_t i = 0; i < active.size(); ++i) {
       outcomes.emplace_back(active[i], Judge(active[i], i, before[i], after[i], covariances[i]));
     }
@@ -247,6 +246,7 @@ class MultiViewRefiner::Impl {
                                        const Agreement& after,
                                        const Matrix6& covariance) const {
     constexpr double kAsWell = 1.1;     // Times the cost at the start: it is not what is minimized.
+    constexpr double kChance = 0.01;    // And a share of the measurements, which is chance.
     constexpr double kAsMuch = 0.5;     // Of the measurements: faces seen at a slant come and go.
     constexpr double kExplained = 0.5;  // Of the measurements, at least.
     const RefinementStart& start = starts_[object];
@@ -280,7 +280,7 @@ class MultiViewRefiner::Impl {
     }
     const bool is_as_much =
         static_cast<double>(after.compared) >= kAsMuch * static_cast<double>(before.compared);
-    if (!(after.mean() <= kAsWell * before.mean()) || !is_as_much) {
+    if (!(after.mean() <= kAsWell * before.mean() + kChance) || !is_as_much) {
       return Refused(
           object,
           Format("the fused pose explains the depth better: cost %.4f of %lld px, refined "
