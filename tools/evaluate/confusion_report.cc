@@ -4,17 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "common/format.h"
 #include "tools/evaluate/confusion_figures.h"
 #include "tools/evaluate/confusion_text.h"
+#include "tools/evaluate/report_files.h"
 #include "tools/evaluate/report_numbers.h"
 #include "tools/support/html.h"
 #include "tools/support/png_image.h"
-#include "tools/support/whole_file.h"
 
 namespace vantage {
 namespace {
@@ -358,30 +357,17 @@ Result<void> WriteConfusionReport(const ConfusionResults& results, const fs::pat
   if (!figures) return figures.error();
   Result<std::string> page = ConfusionPage(results, *figures);
   if (!page) return page.error();
-  std::error_code error;
-  fs::create_directories(folder / "figures", error);
-  if (error) {
-    return Error{
-        ErrorCode::kIo,
-        Format(
-            "folder %s can't be made: %s", (folder / "figures").c_str(), error.message().c_str())};
-  }
-  std::vector<std::pair<fs::path, std::string>> files;
-  for (const auto& [name, figure] : *figures) {
-    files.emplace_back(fs::path("figures") / (name + ".svg"), figure);
-  }
+  std::vector<std::pair<std::string, std::string>> files;
   files.emplace_back("reweighting.csv", ReweightingCsv(results));
   files.emplace_back("views_needed.csv", ViewsNeededCsv(results));
   files.emplace_back("steps.csv", StepsCsv(results));
   files.emplace_back("results.json", ConfusionJson(results));
   files.emplace_back("report.html", std::move(*page));
+  if (Result<void> written = WriteReportFiles(folder, *figures, files); !written) return written;
   for (const ConfusionPicture& picture : results.pictures) {
     const Result<void> written =
         WritePng(folder / "figures" / (picture.name + ".png"), picture.image);
     if (!written) return written;
-  }
-  for (const auto& [name, text] : files) {
-    if (Result<void> written = WriteWholeFile(folder / name, text); !written) return written;
   }
   return {};
 }

@@ -2,18 +2,17 @@
 
 #include <cmath>
 #include <cstdint>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "common/format.h"
 #include "tools/evaluate/dataset_text.h"
+#include "tools/evaluate/report_files.h"
 #include "tools/evaluate/report_html.h"
 #include "tools/support/color.h"
 #include "tools/support/depth_view.h"
 #include "tools/support/html.h"
 #include "tools/support/png_image.h"
-#include "tools/support/whole_file.h"
 
 namespace vantage {
 namespace {
@@ -167,18 +166,11 @@ Result<std::string> DatasetPage(const DatasetResults& results) {
 Result<void> WriteDatasetReport(const DatasetResults& results, const fs::path& folder) {
   const Result<std::string> page = DatasetPage(results);
   if (!page) return page.error();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    return Error{ErrorCode::kIo,
-                 Format("folder %s can't be made: %s", folder.c_str(), error.message().c_str())};
-  }
-  for (const auto& [name, text] : {std::pair<const char*, std::string>("report.html", *page),
-                                   {"views.csv", DatasetCsv(results)},
-                                   {"results.json", DatasetJson(results)}}) {
-    if (Result<void> written = WriteWholeFile(folder / name, text); !written) return written;
-  }
-  return {};
+  return WriteReportFiles(folder,
+                          {},
+                          {{"report.html", *page},
+                           {"views.csv", DatasetCsv(results)},
+                           {"results.json", DatasetJson(results)}});
 }
 
 }  // namespace vantage

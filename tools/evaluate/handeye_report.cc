@@ -2,16 +2,15 @@
 
 #include <cmath>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "common/format.h"
 #include "tools/evaluate/handeye_figures.h"
 #include "tools/evaluate/handeye_text.h"
+#include "tools/evaluate/report_files.h"
 #include "tools/evaluate/report_html.h"
 #include "tools/support/html.h"
-#include "tools/support/whole_file.h"
 
 namespace vantage {
 namespace {
@@ -174,24 +173,10 @@ std::string Page(const HandEyeResults& results, const ReportFigures& figures) {
 Result<void> WriteHandEyeReport(const HandEyeResults& results, const fs::path& folder) {
   const Result<ReportFigures> figures = DrawHandEyeFigures(results);
   if (!figures) return figures.error();
-  std::error_code error;
-  fs::create_directories(folder / "figures", error);
-  if (error) {
-    return Error{
-        ErrorCode::kIo,
-        Format(
-            "folder %s can't be made: %s", (folder / "figures").c_str(), error.message().c_str())};
-  }
-  std::vector<std::pair<fs::path, std::string>> files;
-  for (const auto& [name, figure] : *figures) {
-    files.emplace_back(fs::path("figures") / (name + ".svg"), figure);
-  }
+  std::vector<std::pair<std::string, std::string>> files;
   files.emplace_back("handeye.csv", HandEyeCsv(results));
   files.emplace_back("report.html", Page(results, *figures));
-  for (const auto& [name, text] : files) {
-    if (Result<void> written = WriteWholeFile(folder / name, text); !written) return written;
-  }
-  return {};
+  return WriteReportFiles(folder, *figures, files);
 }
 
 }  // namespace vantage

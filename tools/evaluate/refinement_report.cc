@@ -1,16 +1,15 @@
 #include "tools/evaluate/refinement_report.h"
 
 #include <algorithm>
-#include <system_error>
 #include <vector>
 
 #include "common/format.h"
 #include "tools/evaluate/figure_style.h"
+#include "tools/evaluate/report_files.h"
 #include "tools/evaluate/report_html.h"
 #include "tools/support/csv_field.h"
 #include "tools/support/gnuplot.h"
 #include "tools/support/html.h"
-#include "tools/support/whole_file.h"
 
 namespace vantage {
 namespace {
@@ -183,20 +182,8 @@ Result<void> WriteRefinementReport(const RefinementStudyResults& results,
     if (!figure) return figure.error();
     figures["errors"] = std::move(figure).value();
   }
-  std::error_code error;
-  std::filesystem::create_directories(folder / "figures", error);
-  if (error) {
-    return Error{ErrorCode::kIo,
-                 Format("folder %s can't be made: %s", folder.c_str(), error.message().c_str())};
-  }
-  for (const auto& [name, figure] : figures) {
-    const Result<void> written = WriteWholeFile(folder / "figures" / (name + ".svg"), figure);
-    if (!written) return written;
-  }
-  if (const auto written = WriteWholeFile(folder / "sequences.csv", Csv(results)); !written) {
-    return written;
-  }
-  return WriteWholeFile(folder / "report.html", Page(results, figures));
+  return WriteReportFiles(
+      folder, figures, {{"sequences.csv", Csv(results)}, {"report.html", Page(results, figures)}});
 }
 
 }  // namespace vantage

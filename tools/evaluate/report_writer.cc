@@ -6,9 +6,9 @@
 
 #include "common/format.h"
 #include "tools/evaluate/report_document.h"
+#include "tools/evaluate/report_files.h"
 #include "tools/evaluate/results_csv.h"
 #include "tools/evaluate/results_json.h"
-#include "tools/support/whole_file.h"
 
 namespace vantage {
 namespace {
@@ -80,18 +80,7 @@ Result<void> WriteEvaluation(const EvaluationResults& results, const fs::path& f
   if (Result<void> checked = CheckShapes(results); !checked) return checked;
   const Result<ReportFigures> figures = DrawFigures(results);
   if (!figures) return figures.error();
-  std::error_code error;
-  fs::create_directories(folder / "figures", error);
-  if (error) {
-    return Error{
-        ErrorCode::kIo,
-        Format(
-            "folder %s can't be made: %s", (folder / "figures").c_str(), error.message().c_str())};
-  }
-  std::vector<std::pair<fs::path, std::string>> files;
-  for (const auto& [name, figure] : *figures) {
-    files.emplace_back(fs::path("figures") / (name + ".svg"), figure);
-  }
+  std::vector<std::pair<std::string, std::string>> files;
   files.emplace_back("grid.csv", GridCsv(results));
   files.emplace_back("sweep.csv", SweepCsv(results));
   files.emplace_back("circle.csv", CircleCsv(results));
@@ -99,10 +88,7 @@ Result<void> WriteEvaluation(const EvaluationResults& results, const fs::path& f
   files.emplace_back("accuracy.csv", AccuracyCsv(results));
   files.emplace_back("results.json", ResultsJson(results));
   files.emplace_back("report.html", EvaluationPage(results, *figures));
-  for (const auto& [name, text] : files) {
-    if (Result<void> written = WriteWholeFile(folder / name, text); !written) return written;
-  }
-  return {};
+  return WriteReportFiles(folder, *figures, files);
 }
 
 }  // namespace vantage
