@@ -116,10 +116,11 @@ std::string TurntableText(const TurntableRefinement& t) {
 
 std::string Page(const RefinementStudyResults& results, const ReportFigures& figures) {
   std::string page =
-      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\">"
-      "<title>Refinement over several views</title>";
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width,initial-scale=1\"><title>Refinement over several views</title>"
+      "<style>";
   page += ReportStyle();
-  page += "</head><body><main><h1>Refinement over several views</h1>";
+  page += "</style></head><body><main><h1>Refinement over several views</h1>";
   page += "<p><code>" + EscapeHtml(results.command) + "</code></p>";
   page += Section("errors",
                   "Before and after",
