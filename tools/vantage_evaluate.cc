@@ -1,6 +1,7 @@
 // Regenerates the paper's evaluation: simulated views, the real estimator, every fusion method on
 // the same detections, a report. Or what measured confusion is good for. Or tunes the methods on
-// other sequences. Or holds single views of real datasets against their ground truth.
+// other sequences. Or holds single views of real datasets against their ground truth. Or what the
+// hand-eye calibration and the refinement over several views reach.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -355,6 +356,9 @@ Result<int> EvaluateConfusions(const Arguments& arguments) {
 
 /// @return the exit code.
 Result<int> EvaluateHandEyes(const Arguments& arguments) {
+  if (arguments.sequences == 0) {
+    return Error{ErrorCode::kInvalidArgument, "--sequences = 0, expected at least 1 trial"};
+  }
   const Interrupt interrupt("the trial in work");
   const fs::path folder =
       fs::path(arguments.output) / (arguments.name.empty() ? "handeye" : arguments.name);
@@ -490,7 +494,8 @@ int Main(int argc, char** argv) {
       "and the real estimator, and compares every fusion method on the same detections; or Table 3 "
       "and Figures 5, 6 and 16 to 18 with measured contingency tables, and how many views every "
       "way to choose the next one needs. What takes long is cached: an interrupted run goes on "
-      "where it ended. Or evaluates estimators on single views of real datasets.",
+      "where it ended. Or evaluates estimators on single views of real datasets, hand-eye "
+      "calibration against OpenCV's, or the refinement over several views.",
       "vantage-evaluate");
   Arguments arguments;
   CLI::Option_group* work = app.add_option_group("what to do");
