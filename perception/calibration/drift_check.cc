@@ -18,6 +18,10 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kNothingKnown = 1e6;  // Variance (rad^2, m^2) of what has no prior.
+// Standard deviations of how a camera or a target moves when it is knocked: what few views leave
+// open is not told to be more.
+constexpr double kKnockRotation = 10.0 * kDegree;  // rad
+constexpr double kKnockTranslation = 0.05;         // m
 
 /// The x that a chi-square variable of 6 degrees of freedom exceeds with a probability.
 double ChiSquare6(double probability) {
@@ -120,8 +124,9 @@ void DriftCheck::Add(const DriftView& view) {
 }
 
 /// Least squares over the error of X and that of every reference. What does not move has the
-/// calibration's covariance as its prior, what does has none; that of X comes on top of its
-/// estimate's, since the calibration's own error shows there if nothing has moved.
+/// calibration's covariance as its prior, a camera or target that does a wide one, other things
+/// none; that of X comes on top of its estimate's, since the calibration's own error shows there if
+/// nothing has moved.
 DriftCheck::Estimate DriftCheck::Fit(size_t num_views, bool camera_moves, bool target_moves) const {
   std::map<int, Eigen::Index> columns;  // Of references.
   const size_t first = views_.size() - num_views;
@@ -156,13 +161,16 @@ DriftCheck::Estimate DriftCheck::Fit(size_t num_views, bool camera_moves, bool t
     sum += weight * line.residuals.squaredNorm();
   }
   const HandEyeCovariance none = kNothingKnown * HandEyeCovariance::Identity();
+  HandEyeCovariance knock = HandEyeCovariance::Zero();
+  knock.diagonal() << Eigen::Vector3d::Constant(kKnockRotation * kKnockRotation),
+      Eigen::Vector3d::Constant(kKnockTranslation * kKnockTranslation);
   const auto add_prior = [&H](Eigen::Index at, const HandEyeCovariance& covariance) {
     H.block<6, 6>(at, at) += covariance.ldlt().solve(HandEyeCovariance::Identity());
   };
-  add_prior(0, camera_moves ? none : calibration_.covariance);
+  add_prior(0, camera_moves ? knock : calibration_.covariance);
   for (const auto& [reference, column] : columns) {
-    const bool is_free = reference != 0 || target_moves;
-    add_prior(column, is_free ? none : calibration_.target_covariance);
+    const bool moves = reference == 0 && target_moves;
+    add_prior(column, reference != 0 ? none : moves ? knock : calibration_.target_covariance);
   }
   const Eigen::LDLT<Eigen::MatrixXd> solver(H);
   const Eigen::VectorXd found = solver.solve(g);
@@ -228,15 +236,18 @@ DriftReport DriftCheck::Report() const {
         pixel_rms_);
   } else if (largest > threshold_) {
     report.state = DriftReport::State::kDrifted;
-    report.reason =
-        Format("the %s has moved by about %.2f mm and %.3f deg (chi-square %.0f, limit %.0f); %s",
-               is_camera ? "camera" : "target",
-               1e3 * report.translation,
-               report.rotation / kDegree,
-               largest,
-               threshold_,
-               is_camera ? "fasten it and run vantage-handeye again"
-                         : "put it back, or run vantage-handeye again to have its new place");
+    report.reason = Format(
+        "the %s has moved by about %.2f mm +- %.2f and %.3f deg +- %.3f (chi-square %.0f, "
+        "limit %.0f); %s",
+        is_camera ? "camera" : "target",
+        1e3 * report.translation,
+        1e3 * report.translation_sigma,
+        report.rotation / kDegree,
+        report.rotation_sigma / kDegree,
+        largest,
+        threshold_,
+        is_camera ? "fasten it and run vantage-handeye again"
+                  : "put it back, or run vantage-handeye again to have its new place");
   } else if (report.num_views >= parameters_.least_views) {
     report.state = DriftReport::State::kHolds;
     report.reason = "residuals are within what robot, camera and calibration allow";

@@ -216,6 +216,50 @@ TEST(ExtrinsicsNode, TheCheckHoldsUntilTheCameraIsKnocked) {
   EXPECT_NE(cell.bus.state.find("the camera has moved"), std::string::npos) << cell.bus.state;
 }
 
+/// Rests where the camera sees three objects that lie still.
+void RestBeforeObjects(const Pose& T_base_camera, int64_t seq, Cell* cell) {
+  const Pose T_base_hand = T_base_camera * cell->T_hand_camera.inverse(Eigen::Isometry);
+  for (int i = 0; i < 120; ++i, cell->bus.now += 10'000) {
+    if (i == 30) {
+      DetectionSet set;
+      set.utime = cell->bus.now;
+      set.seq = seq;
+      set.camera = "XTION";
+      set.T_world_camera = cell->config.T_world_base * T_base_camera;
+      for (int thing = 0; thing < 3; ++thing) {
+        Detection detection;
+        detection.model_id = thing == 0 ? "mug" : "filter";
+        detection.cluster = thing;
+        const Eigen::Translation3d p_base(0.12 * (thing - 1), 0.05 * thing * thing, 0.0);
+        detection.T_camera_object = T_base_camera.inverse(Eigen::Isometry) * p_base;
+        detection.mse = 1e-6;
+        detection.inlier_fraction = 0.9;
+        detection.verification_score = 0.9;
+        set.detections.push_back(detection);
+      }
+      cell->bus.Send("DETECTIONS_.*", DetectionsToMessage(set));
+    }
+    cell->bus.Send("HAND_TO_BASE", PoseToMessage(T_base_hand, cell->bus.now));
+  }
+}
+
+TEST(ExtrinsicsNode, WithoutATargetObjectsTellOfAKnock) {
+  Cell cell;
+  cell.config.target.reset();
+  cell.Start();
+  for (int i = 0; i < 6; ++i) RestBeforeObjects(View(i), i, &cell);
+  auto checks = cell.bus.Take<handeye_check_t>("HANDEYE_CHECK");
+  ASSERT_FALSE(checks.empty());
+  EXPECT_EQ(checks.back().state, handeye_check_t::HOLDS) << checks.back().reason;
+  EXPECT_EQ(checks.back().source, "detections");
+  EXPECT_GT(checks.back().num_views, 6) << "of three objects each";
+  cell.T_hand_camera = cell.T_hand_camera * Eigen::Translation3d(0.0, 0.03, 0.0);
+  for (int i = 6; i < 12; ++i) RestBeforeObjects(View(i), i, &cell);
+  checks = cell.bus.Take<handeye_check_t>("HANDEYE_CHECK");
+  ASSERT_FALSE(checks.empty());
+  EXPECT_EQ(checks.back().state, handeye_check_t::DRIFTED) << checks.back().reason;
+}
+
 TEST(ExtrinsicsNode, RefusesAnotherCamerasCalibration) {
   Cell cell;
   cell.calibration.camera = "OTHER";
