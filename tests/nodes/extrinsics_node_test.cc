@@ -10,56 +10,15 @@
 
 #include "bus/conversions.h"
 #include "bus/image_conversion.h"
-#include "bus/message_check.h"
 #include "drivers/sim/board_painter.h"
 #include "drivers/sim/shading.h"
 #include "drivers/sim/sim_arm.h"
+#include "tests/nodes/clocked_test_bus.h"
 #include "vantage/handeye_check_t.hpp"
 #include "vantage/handeye_result_t.hpp"
 
 namespace vantage {
 namespace {
-
-/// A bus in memory with a clock that the test sets.
-class TestBus : public Bus {
- public:
-  void RecordStage(const std::string&, double) override {}
-  void RecordLost(const std::string&, int64_t) override {}
-  void SetState(const std::string& text) override { state = text; }
-  [[nodiscard]] int64_t NowUtime() const override { return now; }
-
-  template <class Message>
-  void Send(const std::string& channel, const Message& message) {
-    handlers.at(channel)({channel, now}, Encode(message));
-  }
-  template <class Message>
-  std::vector<Message> Take(const std::string& channel) {
-    std::vector<Message> messages;
-    for (const std::vector<std::byte>& bytes : sent[channel]) {
-      messages.push_back(*DecodeChecked<Message>(bytes));
-    }
-    sent.erase(channel);
-    return messages;
-  }
-
-  int64_t now = 1'700'000'000'000'000;
-  std::string state = "ok";
-  std::map<std::string, BytesHandler> handlers;
-  std::map<std::string, std::vector<std::vector<std::byte>>> sent;
-
- protected:
-  Result<void> SubscribeBytes(const std::string& channel,
-                              int64_t,
-                              SubscribeOptions,
-                              BytesHandler handler) override {
-    handlers[channel] = std::move(handler);
-    return {};
-  }
-  Result<void> PublishBytes(const std::string& channel, std::span<const std::byte> bytes) override {
-    sent[channel].emplace_back(bytes.begin(), bytes.end());
-    return {};
-  }
-};
 
 /// A camera in a hand before a board of tags, whose calibration is known.
 class Cell {
@@ -98,7 +57,7 @@ class Cell {
     }
   }
 
-  TestBus bus;
+  ClockedTestBus bus;
   ExtrinsicsConfig config;
   HandEyeFile calibration;
   Pose T_hand_camera;  // The truth.
@@ -269,7 +228,7 @@ TEST(ExtrinsicsNode, RefusesAnotherCamerasCalibration) {
 }
 
 TEST(MakeExtrinsicsNode, SaysHowToComeByACalibration) {
-  TestBus bus;
+  ClockedTestBus bus;
   Result<ConfigReader> config =
       ConfigReader::Parse("[extrinsics]\ncalibration = \"/nowhere/x.toml\"\n", "test.toml");
   ASSERT_TRUE(config.ok());

@@ -8,53 +8,12 @@
 #include <vector>
 
 #include "bus/conversions.h"
-#include "bus/message_check.h"
+#include "tests/nodes/clocked_test_bus.h"
 #include "vantage/arm_status_t.hpp"
 #include "vantage/rigid_transform_t.hpp"
 
 namespace vantage {
 namespace {
-
-/// A bus in memory with a clock that the test sets.
-class TestBus : public Bus {
- public:
-  void RecordStage(const std::string&, double) override {}
-  void RecordLost(const std::string&, int64_t) override {}
-  void SetState(const std::string& text) override { state = text; }
-  [[nodiscard]] int64_t NowUtime() const override { return now; }
-
-  template <class Message>
-  void Send(const std::string& channel, const Message& message) {
-    handlers.at(channel)({channel, now}, Encode(message));
-  }
-  template <class Message>
-  std::vector<Message> Take(const std::string& channel) {
-    std::vector<Message> messages;
-    for (const std::vector<std::byte>& bytes : sent[channel]) {
-      messages.push_back(*DecodeChecked<Message>(bytes));
-    }
-    sent.erase(channel);
-    return messages;
-  }
-
-  int64_t now = 1'700'000'000'000'000;
-  std::string state;
-  std::map<std::string, BytesHandler> handlers;
-  std::map<std::string, std::vector<std::vector<std::byte>>> sent;
-
- protected:
-  Result<void> SubscribeBytes(const std::string& channel,
-                              int64_t,
-                              SubscribeOptions,
-                              BytesHandler handler) override {
-    handlers[channel] = std::move(handler);
-    return {};
-  }
-  Result<void> PublishBytes(const std::string& channel, std::span<const std::byte> bytes) override {
-    sent[channel].emplace_back(bytes.begin(), bytes.end());
-    return {};
-  }
-};
 
 const Eigen::Vector3d kTarget(0.0, 0.0, 0.05);
 
@@ -92,7 +51,7 @@ class SimArmNodeTest : public ::testing::Test {
     return *PoseFromMessage(bus_.Take<rigid_transform_t>("CAMERA_XTION_TO_WORLD").back());
   }
 
-  TestBus bus_;
+  ClockedTestBus bus_;
   int64_t steady_us_ = 77'000'000;
   SimArmNode node_;
 };
@@ -211,7 +170,7 @@ TEST_F(SimArmNodeTest, AClockThatIsSetDoesNotMoveTheArm) {
 }
 
 TEST(SimArmNodeWithAHand, GoesWhereItsHandIsAskedToAndHidesTheCamera) {
-  TestBus bus;
+  ClockedTestBus bus;
   int64_t steady_us = 0;
   SimHandParameters hand;
   hand.T_hand_camera =
@@ -236,7 +195,7 @@ TEST(SimArmNodeWithAHand, GoesWhereItsHandIsAskedToAndHidesTheCamera) {
 }
 
 TEST(MakeSimArmNode, NamesAWrongKey) {
-  TestBus bus;
+  ClockedTestBus bus;
   Result<ConfigReader> config = ConfigReader::Parse("[sim.arm]\nspeed = 1.0\n", "test.toml");
   ASSERT_TRUE(config.ok());
   const auto node = MakeSimArmNode(bus, *config, {});
