@@ -1,0 +1,6 @@
+if(VANTAGE_BUILD_BENCHMARKS)
+  find_library(ZSTD_LIBRARY zstd REQUIRED)
+endif()
+vantage_benchmark(depth_codec_bench
+  SOURCES depth_codec_bench.cc depth_codecs.cc rvl.cc table_frames.cc
+  LINK vantage_depth_codec vantage_drivers_sim vantage_perception ${ZSTD_LIBRARY})
