@@ -145,18 +145,22 @@ images_t DepthToMessage(int width,
   image.pixelformat = image_t::PIXEL_FORMAT_INVALID;
   image.data = ToBytes(millimetres);
   if (compression == DepthCompression::kZlib) image.data = Deflate(image.data);
-  std::vector<uint8_t> seq_bytes(8);
-  for (size_t i = 0; i < 8; ++i) {
-    seq_bytes[i] = static_cast<uint8_t>((static_cast<uint64_t>(seq) >> (8 * i)) & 0xffU);
-  }
-  image.metadata.push_back(Metadata("seq", std::move(seq_bytes)));
-  image.metadata.push_back(Metadata("serial", {serial.begin(), serial.end()}));
+  AppendIdentity(seq, serial, &image);
 
   images_t message{};
   message.utime = utime;
   const bool zipped = compression == DepthCompression::kZlib;
   AppendImage(zipped ? images_t::DEPTH_MM_ZIPPED : images_t::DEPTH_MM, std::move(image), &message);
   return message;
+}
+
+void AppendIdentity(int64_t seq, const std::string& serial, image_t* image) {
+  std::vector<uint8_t> seq_bytes(8);
+  for (size_t i = 0; i < 8; ++i) {
+    seq_bytes[i] = static_cast<uint8_t>((static_cast<uint64_t>(seq) >> (8 * i)) & 0xffU);
+  }
+  image->metadata.push_back(Metadata("seq", std::move(seq_bytes)));
+  image->metadata.push_back(Metadata("serial", {serial.begin(), serial.end()}));
 }
 
 void AppendImage(int16_t type, image_t image, images_t* message) {

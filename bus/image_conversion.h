@@ -40,6 +40,9 @@ images_t DepthToMessage(int width,
                         const std::string& serial,
                         DepthCompression compression);
 
+/// Adds the metadata "seq" and "serial" to an image.
+void AppendIdentity(int64_t seq, const std::string& serial, image_t* image);
+
 /// Adds another image that was taken together with those of `message`. Fills image.size and
 /// image.nmetadata from the vectors.
 void AppendImage(int16_t type, image_t image, images_t* message);

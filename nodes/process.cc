@@ -69,6 +69,13 @@ class SignalStop {
   std::thread waiter_;
 };
 
+int PrintDevices(const std::string& name, const DeviceLister& list) {
+  const Result<std::string> devices = list();
+  if (!devices) return Fail(name, devices.error());
+  std::fputs(devices->c_str(), stdout);
+  return 0;
+}
+
 }  // namespace
 
 LiveBus::Options ReadBusOptions(ConfigReader& config) {
@@ -105,19 +112,29 @@ int RunProcess(int argc,
                char** argv,
                const std::string& default_name,
                const std::string& description,
-               const NodeFactory& make_node) {
+               const NodeFactory& make_node,
+               const DeviceLister& list) {
   ProcessOptions options;
   options.name = default_name;
   std::string config_file;
   std::string url;
   CLI::App app(description, "vantage-" + default_name);
   app.set_version_flag("--version", VANTAGE_VERSION);
-  app.add_option("--config,-c", config_file, "TOML file of the set-up")->required();
+  CLI::Option* config_option =
+      app.add_option("--config,-c", config_file, "TOML file of the set-up");
+  bool wants_list = false;
+  if (list) app.add_flag("--list", wants_list, "print the devices there are, and end");
   app.add_option("--lcm-url", url, "LCM URL; default: [bus] url, then LCM_DEFAULT_URL");
   app.add_option("--name", options.name, "name of this process, unique on the bus")
       ->capture_default_str();
   app.add_flag("--fresh", options.fresh, "start anew, forgetting a saved state");
   if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
+  if (wants_list) return PrintDevices(options.name, list);
+  if (config_option->empty()) {
+    return Fail(options.name,
+                {ErrorCode::kInvalidArgument,
+                 "--config is required; see vantage-" + default_name + " --help"});
+  }
 
   Result<ConfigReader> config = ConfigReader::Open(config_file);
   if (!config) return Fail(options.name, config.error());

@@ -21,14 +21,19 @@ struct ProcessOptions {
 using NodeFactory = std::function<Result<std::unique_ptr<Node>>(
     Bus& bus, ConfigReader& config, const ProcessOptions& options)>;
 
+/// What --list of a driver prints.
+using DeviceLister = std::function<Result<std::string>()>;
+
 /// main() of a live process: reads --config, --lcm-url, --name, --fresh; opens the live bus;
-/// refuses a second process of the same name; makes the node; runs until SIGINT or SIGTERM.
+/// refuses a second process of the same name; makes the node; runs until SIGINT or SIGTERM. A
+/// driver that has a lister has --list instead of all that.
 /// Returns the exit code: 0 after a signal, 2 after an error, which is printed as one sentence.
 int RunProcess(int argc,
                char** argv,
                const std::string& default_name,
                const std::string& description,
-               const NodeFactory& make_node);
+               const NodeFactory& make_node,
+               const DeviceLister& list = nullptr);
 
 /// Reads [bus]: URL and receive buffers. The name is the caller's to fill in.
 LiveBus::Options ReadBusOptions(ConfigReader& config);

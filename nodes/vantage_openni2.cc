@@ -10,5 +10,6 @@ int main(int argc, char** argv) {
       "Publishes an OpenNI2 depth camera or .oni recording on CAMERA_<NAME>.",
       [](vantage::Bus& bus, vantage::ConfigReader& config, const vantage::ProcessOptions& options) {
         return vantage::MakeOpenni2Node(bus, config, options);
-      });
+      },
+      &vantage::ListOpenni2Devices);
 }

@@ -22,7 +22,7 @@
 #include "tools/support/report_setup.h"
 #include "tools/support/run_metrics.h"
 #include "vantage/arm_status_t.hpp"
-#include "vantage/camera_status_t.hpp"
+#include "vantage/camera_status_v2_t.hpp"
 #include "vantage/detections_v2_t.hpp"
 #include "vantage/next_view_t.hpp"
 #include "vantage/object_estimates_v3_t.hpp"
@@ -72,7 +72,7 @@ class Progress {
   }
 
   void OnProcess(const process_status_t& message);
-  void OnCamera(const camera_status_t& message);
+  void OnCamera(const camera_status_v2_t& message);
   void OnArm(const arm_status_t& message);
   void OnNextView(const next_view_t& message);
   void OnObjects(const object_estimates_v3_t& message);
@@ -179,7 +179,7 @@ void Progress::OnProcess(const process_status_t& message) {
   process.state = message.state;
 }
 
-void Progress::OnCamera(const camera_status_t& message) {
+void Progress::OnCamera(const camera_status_v2_t& message) {
   static const char* const kNames[] = {"searching", "opening", "streaming", "stalled", "lost"};
   const auto known = camera_states_.find(message.name);
   if (known != camera_states_.end() && known->second == message.state) return;

@@ -48,7 +48,12 @@ ClockFilter::ClockFilter(const Parameters& parameters) : parameters_(parameters)
   VANTAGE_CHECK(valid.ok(), valid.error().message);
 }
 
-void ClockFilter::Reset() {
+void ClockFilter::Reset(int64_t device_modulus_us) {
+  parameters_.device_modulus_us = device_modulus_us;
+  Forget();
+}
+
+void ClockFilter::Forget() {
   started_ = false;
   slope_ = 0.0;
   intercept_ = 0.0;
@@ -121,7 +126,7 @@ bool ClockFilter::IsStep(const Point& point) {
 }
 
 void ClockFilter::StartAt(int64_t device_us, int64_t arrival_us) {
-  Reset();
+  Forget();
   started_ = true;
   raw_device_us_ = device_us;
   device_us_ = device_us;

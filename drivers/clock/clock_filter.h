@@ -43,7 +43,8 @@ class ClockFilter {
   ///     result before, except where a clock stepped (or measurements arrived within 1 us).
   int64_t Update(int64_t device_us, int64_t arrival_us);
   /// Forgets everything but num_steps(): for another device, or the same opened again.
-  void Reset();
+  /// @param device_modulus_us as in Parameters.
+  void Reset(int64_t device_modulus_us);
 
   /// Host time minus (unwrapped) device time at the last measurement, us; 0 before the first.
   [[nodiscard]] double offset_us() const;
@@ -63,6 +64,7 @@ class ClockFilter {
   // Unwraps; nothing when the device's clock went back.
   [[nodiscard]] std::optional<int64_t> Unwrap(int64_t device_us) const;
   [[nodiscard]] bool IsStep(const Point& point);
+  void Forget();
   void StartAt(int64_t device_us, int64_t arrival_us);
   void Keep(const Point& point);
   void FitLine();

@@ -2,7 +2,6 @@
 
 #include <OpenNI.h>
 
-#include <thread>
 #include <utility>
 
 #include "common/format.h"
@@ -64,34 +63,20 @@ std::vector<DeviceListing> Openni2Api::List() {
   openni::OpenNI::enumerateDevices(&devices);
   std::vector<DeviceListing> listing;
   for (int i = 0; i < devices.getSize(); ++i) {
-    listing.push_back(
-        {devices[i].getUri(), std::string(devices[i].getVendor()) + " " + devices[i].getName()});
+    listing.push_back({devices[i].getUri(),
+                       std::string(devices[i].getVendor()) + " " + devices[i].getName(),
+                       {},
+                       {}});
   }
   return listing;
 }
 
-Result<std::unique_ptr<DepthDevice>> Openni2Api::Open(const std::string& uri) {
+Result<std::unique_ptr<CameraDevice>> Openni2Api::Open(const std::string& uri) {
   return Openni2Device::Open(uri, listener_->events);
 }
 
 bool Openni2Api::WaitForDevice(std::chrono::milliseconds timeout) {
   return listener_->events.WaitForConnection(timeout);
-}
-
-int64_t Openni2Api::MonotonicUs() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-int64_t Openni2Api::WallUs() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-void Openni2Api::Sleep(std::chrono::microseconds duration) {
-  std::this_thread::sleep_for(duration);
 }
 
 }  // namespace vantage

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "common/result.h"
-#include "drivers/openni2/depth_device.h"
+#include "drivers/camera/camera_device.h"
 
 namespace vantage {
 
-/// DepthDeviceApi through the OpenNI2 library: whatever its drivers find, and its recordings.
-class Openni2Api : public DepthDeviceApi {
+/// CameraDeviceApi through the OpenNI2 library: whatever its drivers find, and its recordings.
+class Openni2Api : public CameraDeviceApi {
  public:
   /// Errors: OpenNI2 finds none of its drivers.
   static Result<std::unique_ptr<Openni2Api>> Create();
@@ -18,12 +18,13 @@ class Openni2Api : public DepthDeviceApi {
   Openni2Api(const Openni2Api&) = delete;
   Openni2Api& operator=(const Openni2Api&) = delete;
 
+  [[nodiscard]] std::string name() const override { return "OpenNI2"; }
+  [[nodiscard]] std::string search_hint() const override {
+    return "check the cable, `lsusb`, and udev rules";
+  }
   std::vector<DeviceListing> List() override;
-  Result<std::unique_ptr<DepthDevice>> Open(const std::string& uri) override;
+  Result<std::unique_ptr<CameraDevice>> Open(const std::string& uri) override;
   bool WaitForDevice(std::chrono::milliseconds timeout) override;
-  int64_t MonotonicUs() override;
-  int64_t WallUs() override;
-  void Sleep(std::chrono::microseconds duration) override;
 
  private:
   class Listener;

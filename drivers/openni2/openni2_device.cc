@@ -64,8 +64,9 @@ bool IsMirrored(openni::VideoStream& stream, bool is_recording) {
   return stream.getMirroringEnabled();
 }
 
-RawImage Image(const openni::VideoFrameRef& frame) {
+RawImage Image(const openni::VideoFrameRef& frame, PixelLayout layout) {
   RawImage image;
+  image.layout = layout;
   image.width = frame.getWidth();
   image.height = frame.getHeight();
   image.stride_bytes = frame.getStrideInBytes();
@@ -74,7 +75,6 @@ RawImage Image(const openni::VideoFrameRef& frame) {
                   static_cast<size_t>(frame.getDataSize())};
   }
   image.device_time_us = static_cast<int64_t>(frame.getTimestamp());
-  image.frame_index = frame.getFrameIndex();
   return image;
 }
 
@@ -86,14 +86,14 @@ std::atomic<bool> has_left_recordings = false;
 
 }  // namespace
 
-Result<std::unique_ptr<DepthDevice>> Openni2Device::Open(const std::string& uri,
-                                                         DeviceEvents& events) {
+Result<std::unique_ptr<CameraDevice>> Openni2Device::Open(const std::string& uri,
+                                                          DeviceEvents& events) {
   events.Forget(uri);
   std::unique_ptr<Openni2Device> device(new Openni2Device(uri, events));
   if (device->device_.open(uri.c_str()) != openni::STATUS_OK) {
     return device->Refusal("can't be opened");
   }
-  return std::unique_ptr<DepthDevice>(std::move(device));
+  return std::unique_ptr<CameraDevice>(std::move(device));
 }
 
 bool Openni2Device::HasLeftRecordings() { return has_left_recordings.load(); }
@@ -150,7 +150,7 @@ Result<StreamDetails> Openni2Device::Start(const StreamRequest& request) {
   details.is_recording = is_recording_;
   if (Result<void> started = StartDepth(request, &details); !started) return started.error();
   if (request.color) StartColor(request, &details);
-  if (request.registration && !is_recording_) {
+  if (request.registration == Registration::kDepthToColor && !is_recording_) {
     Register(&details);
   } else {
     details.registered =
@@ -251,7 +251,7 @@ bool Openni2Device::ReadStream(openni::VideoStream& stream, openni::VideoFrameRe
   return stream.readFrame(frame) == openni::STATUS_OK && frame->isValid();
 }
 
-DepthDevice::ReadResult Openni2Device::Read(std::chrono::milliseconds timeout, RawFrame* frame) {
+CameraDevice::ReadResult Openni2Device::Read(std::chrono::milliseconds timeout, RawFrame* frame) {
   *frame = {};
   if (events_.IsGone(uri_)) return ReadResult::kGone;
   if (is_recording_ && num_frames_ > 0 && num_read_ >= num_frames_) return ReadResult::kEnd;
@@ -273,13 +273,14 @@ DepthDevice::ReadResult Openni2Device::Read(std::chrono::milliseconds timeout, R
     }
     if (!ReadStream(depth_, &depth_frame_)) return ReadResult::kGone;
     ++num_read_;
-    frame->depth = Image(depth_frame_);
+    frame->depth = Image(depth_frame_, PixelLayout::kDepth16);
+    frame->index = depth_frame_.getFrameIndex();
     if (color_.isValid()) {
       WaitForColor();
       const int64_t half_us = period_us_ / 2;
       if (color_frame_.isValid()) {
-        const RawImage color = Image(color_frame_);
-        if (std::abs(color.device_time_us - frame->depth.device_time_us) <= half_us) {
+        const RawImage color = Image(color_frame_, PixelLayout::kRgb8);
+        if (std::abs(color.device_time_us - frame->depth->device_time_us) <= half_us) {
           frame->color = color;
         }
       }
@@ -330,6 +331,30 @@ Result<void> Openni2Device::SetGain(int gain) {
   if ((*settings)->setGain(gain) != openni::STATUS_OK) {
     return Error{ErrorCode::kUnavailable,
                  Format("device %s refuses a gain of %d", uri_.c_str(), gain)};
+  }
+  return {};
+}
+
+Result<void> Openni2Device::SetControl(const std::string& name, int64_t value) {
+  Result<openni::CameraSettings*> settings = ColorSettings();
+  if (!settings) return settings.error();
+  openni::Status status = openni::STATUS_OK;
+  if (name == "auto_exposure") {
+    status = (*settings)->setAutoExposureEnabled(value != 0);
+  } else if (name == "auto_white_balance") {
+    status = (*settings)->setAutoWhiteBalanceEnabled(value != 0);
+  } else {
+    return Error{ErrorCode::kNotFound,
+                 Format("device %s has no control %s, expected auto_exposure or auto_white_balance",
+                        uri_.c_str(),
+                        name.c_str())};
+  }
+  if (status != openni::STATUS_OK) {
+    return Error{ErrorCode::kUnavailable,
+                 Format("device %s refuses %s = %lld",
+                        uri_.c_str(),
+                        name.c_str(),
+                        static_cast<long long>(value))};
   }
   return {};
 }

@@ -6,16 +6,16 @@
 #include <optional>
 #include <string>
 
-#include "drivers/openni2/depth_device.h"
+#include "drivers/camera/camera_device.h"
 #include "drivers/openni2/device_events.h"
 
 namespace vantage {
 
-/// DepthDevice through the OpenNI2 library.
-class Openni2Device : public DepthDevice {
+/// CameraDevice through the OpenNI2 library.
+class Openni2Device : public CameraDevice {
  public:
   /// `events` outlives the device. Errors: OpenNI2's own, with its words.
-  static Result<std::unique_ptr<DepthDevice>> Open(const std::string& uri, DeviceEvents& events);
+  static Result<std::unique_ptr<CameraDevice>> Open(const std::string& uri, DeviceEvents& events);
   ~Openni2Device() override;
 
   /// A recording was closed: its handles stay with the library, which must not be shut down then.
@@ -28,6 +28,7 @@ class Openni2Device : public DepthDevice {
   ReadResult Read(std::chrono::milliseconds timeout, RawFrame* frame) override;
   Result<void> SetExposure(int exposure_us) override;
   Result<void> SetGain(int gain) override;
+  Result<void> SetControl(const std::string& name, int64_t value) override;
 
  private:
   Openni2Device(std::string uri, DeviceEvents& events) : uri_(std::move(uri)), events_(events) {}

@@ -10,8 +10,8 @@
 #include "bus/image_conversion.h"
 #include "bus/message_check.h"
 #include "common/rng.h"
+#include "drivers/camera/frame_conversion.h"
 #include "drivers/clock/clock_filter.h"
-#include "drivers/openni2/frame_conversion.h"
 
 namespace vantage {
 namespace {
@@ -76,13 +76,14 @@ void FrameCopy(benchmark::State& state) {
   details.height = kHeight;
   details.mirrored = state.range(0) != 0;
   RawFrame raw;
-  raw.depth.width = kWidth;
-  raw.depth.height = kHeight;
-  raw.depth.stride_bytes = 2 * kWidth;
-  raw.depth.data = std::as_bytes(std::span(frame));
+  RawImage& depth = raw.depth.emplace();
+  depth.width = kWidth;
+  depth.height = kHeight;
+  depth.stride_bytes = 2 * kWidth;
+  depth.data = std::as_bytes(std::span(frame));
   for (auto _ : state) {
     if (!FrameFault(raw, details).empty()) state.SkipWithError("the frame is sound");
-    benchmark::DoNotOptimize(DepthMillimetres(raw.depth, details).data());
+    benchmark::DoNotOptimize(DepthMillimetres(depth, details).data());
   }
 }
 BENCHMARK(FrameCopy)->ArgName("mirrored")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);

@@ -243,7 +243,7 @@ TEST(ClockFilter, ResetForgets) {
   camera.drift_ppm = 200.0;
   ClockFilter filter;
   Feed(camera, filter, 30.0);
-  filter.Reset();
+  filter.Reset(0);
   EXPECT_EQ(filter.skew_ppm(), 0.0);
   EXPECT_EQ(filter.Update(0, 1000), 1000);
   EXPECT_EQ(filter.num_steps(), 0);

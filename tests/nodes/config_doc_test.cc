@@ -18,10 +18,10 @@
 #include <vector>
 
 #include "common/format.h"
+#include "nodes/camera_config.h"
 #include "nodes/config_reader.h"
 #include "nodes/extrinsics_config.h"
 #include "nodes/fusion_config.h"
-#include "nodes/openni2_config.h"
 #include "nodes/ppf_config.h"
 #include "nodes/process.h"
 #include "nodes/shot_config.h"
@@ -167,7 +167,9 @@ const std::map<std::string, ReadConfig>& Readers() {
          return Finish(config);
        }},
       {"vantage-openni2",
-       [](ConfigReader& config) { return Finish(config, ReadOpenni2Config(config, "openni2")); }},
+       [](ConfigReader& config) {
+         return Finish(config, ReadCameraConfig(config, "openni2", "openni2"));
+       }},
       {"vantage-ppf", [](ConfigReader& config) { return Finish(config, ReadPpfConfig(config)); }},
       {"vantage-shot", [](ConfigReader& config) { return Finish(config, ReadShotConfig(config)); }},
       {"vantage-fusion",
@@ -213,9 +215,9 @@ Outcome ReadBy(const std::string& reader, const toml::table& file) {
 
 toml::table Base(const Document& document, const DocTable& table) {
   if (table.path.empty()) return toml::parse(document.examples.at(2));
-  toml::table base = toml::parse(document.examples.at(0) + document.examples.at(1) +
-                                 document.examples.at(3) + document.examples.at(5) +
-                                 document.examples.at(6));
+  toml::table base =
+      toml::parse(document.examples.at(0) + document.examples.at(1) + document.examples.at(3) +
+                  document.examples.at(5) + document.examples.at(6));
   base["models"].as_table()->insert_or_assign("folder", (kSource / "models").string());
   return base;
 }

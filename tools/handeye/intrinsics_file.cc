@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/format.h"
-#include "nodes/openni2_config.h"
+#include "nodes/camera_config.h"
 #include "perception/model/file_bytes.h"
 
 namespace vantage {

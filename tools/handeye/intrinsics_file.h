@@ -13,7 +13,7 @@ struct CameraIntrinsics {
   LensDistortion distortion;
 };
 
-/// Reads a calibration file of the camera driver (TOML, docs/camera-drivers.md) or ViSP's XML of a
+/// Reads a calibration file of the camera driver (TOML, docs/drivers.md) or ViSP's XML of a
 /// camera, whose kud becomes k1. Errors: absent, another format, keys that are missing, unknown or
 /// out of range.
 Result<CameraIntrinsics> ReadIntrinsics(const std::filesystem::path& file);

@@ -11,8 +11,8 @@
 #include <string>
 
 #include "common/depth_image.h"
+#include "drivers/camera/camera.h"
 #include "drivers/openni2/openni2_api.h"
-#include "drivers/openni2/openni2_camera.h"
 #include "drivers/sim/fault_state.h"
 #include "drivers/sim/scene_renderer.h"
 #include "drivers/sim/sim_arm.h"
@@ -64,8 +64,7 @@ class Openni2Plugin : public ::testing::Test {
     Result<std::unique_ptr<Openni2Api>> api = Openni2Api::Create();
     ASSERT_TRUE(api.ok()) << api.error().message;
     Command("sim_test_set_pose", -70.0 * kDegree, 50.0 * kDegree, 0.7);
-    Result<std::unique_ptr<Openni2Camera>> camera =
-        Openni2Camera::Create(options_, std::move(api).value());
+    Result<std::unique_ptr<Camera>> camera = Camera::Create(options_, std::move(api).value());
     ASSERT_TRUE(camera.ok()) << camera.error().message;
     camera_ = std::move(camera).value();
   }
@@ -85,8 +84,8 @@ class Openni2Plugin : public ::testing::Test {
     return GrabUntil([this, enough] { return frames_.size() >= enough; });
   }
 
-  Openni2Camera::Options options_;
-  std::unique_ptr<Openni2Camera> camera_;
+  Camera::Options options_;
+  std::unique_ptr<Camera> camera_;
   std::vector<CameraFrame> frames_;
   std::vector<CameraState> states_;
 };
@@ -101,9 +100,9 @@ TEST_F(Openni2Plugin, StreamsByIndexUriAndSerial) {
     const CameraFrame& frame = frames_.back();
     EXPECT_EQ(frame.serial, serial);
     EXPECT_EQ(frame.depth_mm, Expected());
-    EXPECT_NEAR(frame.model.fx, 570.34, 1e-3);
-    EXPECT_NEAR(frame.model.fy, 570.34, 1e-3);
-    EXPECT_EQ(frame.model.cx, 319.5);
+    EXPECT_NEAR(frame.model->fx, 570.34, 1e-3);
+    EXPECT_NEAR(frame.model->fy, 570.34, 1e-3);
+    EXPECT_EQ(frame.model->cx, 319.5);
     EXPECT_GT(frame.device_time_us, frames_[frames_.size() - 2].device_time_us);
     EXPECT_GT(frame.utime, frames_[frames_.size() - 2].utime);
     camera_.reset();
@@ -153,11 +152,11 @@ TEST_F(Openni2Plugin, CountsAndDropsAShortFrame) {
 
 TEST_F(Openni2Plugin, GivesColorOfTheSameTime) {
   options_.stream.color = true;
-  options_.stream.registration = true;
+  options_.stream.registration = Registration::kDepthToColor;
   Create("index:0");
-  ASSERT_TRUE(GrabUntil([this] { return !frames_.empty() && frames_.back().color_width == 640; }))
+  ASSERT_TRUE(GrabUntil([this] { return !frames_.empty() && frames_.back().color; }))
       << camera_->status().message;
-  EXPECT_EQ(frames_.back().color_rgb.size(), 640U * 480U * 3U);
+  EXPECT_EQ(frames_.back().color->data.size(), 640U * 480U * 3U);
   EXPECT_TRUE(frames_.back().registered);
 }
 
@@ -222,15 +221,15 @@ TEST_F(Openni2Recording, PlaysEveryFrameOnceAndEnds) {
   const std::vector<uint16_t> expected = Expected();
   for (size_t i = 0; i < frames_.size(); ++i) {
     EXPECT_EQ(frames_[i].depth_mm, expected) << i;
-    EXPECT_NEAR(frames_[i].model.fx, 570.34, 1e-3);
+    EXPECT_NEAR(frames_[i].model->fx, 570.34, 1e-3);
     if (i == 0) continue;
-    EXPECT_EQ(frames_[i].frame_index, frames_[i - 1].frame_index + 1);
     EXPECT_EQ(frames_[i].utime - frames_[i - 1].utime,
               frames_[i].device_time_us - frames_[i - 1].device_time_us);
     EXPECT_GT(frames_[i].device_time_us, frames_[i - 1].device_time_us);
   }
   EXPECT_EQ(camera_->status().num_captured, static_cast<int64_t>(frames_.size()));
   EXPECT_EQ(camera_->status().num_bad, 0);
+  EXPECT_EQ(camera_->status().num_missed, 0);
 }
 
 TEST_F(Openni2Recording, ADamagedFileIsAnError) {
@@ -239,7 +238,7 @@ TEST_F(Openni2Recording, ADamagedFileIsAnError) {
   options_.device = *DeviceSelector::Parse("oni:" + file());
   Result<std::unique_ptr<Openni2Api>> api = Openni2Api::Create();
   ASSERT_TRUE(api.ok());
-  const auto camera = Openni2Camera::Create(options_, std::move(api).value());
+  const auto camera = Camera::Create(options_, std::move(api).value());
   ASSERT_FALSE(camera.ok());
   EXPECT_NE(camera.error().message.find(file()), std::string::npos) << camera.error().message;
 }

@@ -1,4 +1,4 @@
-#include "nodes/openni2_config.h"
+#include "nodes/camera_config.h"
 
 #include <algorithm>
 #include <cctype>
@@ -22,13 +22,26 @@ std::string Lower(std::string text) {
   return text;
 }
 
+// Names of the cameras of a driver; the key "driver" of all of them is read.
+std::vector<std::string> CamerasOf(ConfigReader::Table& cameras, const std::string& driver) {
+  std::vector<std::string> names;
+  for (const std::string& name : cameras.Keys()) {
+    std::string its_driver = "openni2";
+    cameras.Sub(name).ReadChoice("driver", &its_driver, {"openni2", "v4l2"});
+    if (its_driver == driver) names.push_back(name);
+  }
+  return names;
+}
+
 Result<std::string> ChooseCamera(const std::vector<std::string>& names,
-                                 const std::string& process_name) {
-  const std::string prefix = "openni2-";
+                                 const std::string& process_name,
+                                 const std::string& driver) {
+  const std::string prefix = driver + "-";
   if (names.empty()) {
     return Error{ErrorCode::kNotFound,
-                 "the config has no [camera.<NAME>], expected one such as [camera.XTION] with "
-                 "device = \"index:0\""};
+                 Format("the config has no [camera.<NAME>] with driver = \"%s\", expected one such "
+                        "as [camera.XTION] with device = \"index:0\"",
+                        driver.c_str())};
   }
   if (!process_name.starts_with(prefix)) return names.front();
   for (const std::string& name : names) {
@@ -43,17 +56,42 @@ Result<std::string> ChooseCamera(const std::vector<std::string>& names,
                       known.c_str())};
 }
 
-void ReadStream(ConfigReader::Table& table, Openni2Config* config) {
+Registration ReadRegistration(ConfigReader::Table& table) {
+  std::string registration = "none";
+  table.ReadChoice("registration", &registration, {"none", "depth_to_color", "color_to_depth"});
+  if (registration == "depth_to_color") return Registration::kDepthToColor;
+  return registration == "none" ? Registration::kNone : Registration::kColorToDepth;
+}
+
+PixelLayout ReadColorLayout(ConfigReader::Table& table) {
+  std::string layout = "rgb";
+  table.ReadChoice("color_encoding", &layout, {"rgb", "gray", "mjpeg"});
+  if (layout == "rgb") return PixelLayout::kRgb8;
+  return layout == "gray" ? PixelLayout::kGray8 : PixelLayout::kJpeg;
+}
+
+void ReadControls(ConfigReader::Table& table, CameraConfig* config) {
+  if (!table.Has("controls")) return;
+  ConfigReader::Table controls = table.Sub("controls");
+  constexpr int64_t kLargest = int64_t{1} << 53;
+  for (const std::string& name : controls.Keys()) {
+    controls.Read(name, &config->controls[name], -kLargest, kLargest);
+  }
+}
+
+void ReadStream(ConfigReader::Table& table, CameraConfig* config) {
   table.Read("width_px", &config->stream.width, 1, kMaxImageSide);
   table.Read("height_px", &config->stream.height, 1, kMaxImageSide);
   table.Read("fps", &config->stream.fps, 1, 1000);
   table.Read("color", &config->stream.color);
-  table.Read("registration", &config->stream.registration);
+  config->stream.color_layout = ReadColorLayout(table);
+  config->stream.registration = ReadRegistration(table);
   table.Read("stall_timeout_s", &config->stall_timeout_s, 0.1, 60.0);
   table.Read("rate_hz", &config->rate_hz, 0.0, 1000.0);
   std::string compression = "zlib";
   table.ReadChoice("compression", &compression, {"zlib", "none"});
   config->compression = compression == "zlib" ? DepthCompression::kZlib : DepthCompression::kNone;
+  ReadControls(table, config);
 }
 
 }  // namespace
@@ -102,10 +140,11 @@ Result<CameraCalibration> LoadCameraCalibration(const std::filesystem::path& fil
   return calibration;
 }
 
-Result<Openni2Config> ReadOpenni2Config(ConfigReader& config, const std::string& process_name) {
+Result<CameraConfig> ReadCameraConfig(ConfigReader& config,
+                                      const std::string& process_name,
+                                      const std::string& driver) {
   ConfigReader::Table cameras = config.Root().Sub("camera");
-  const std::vector<std::string> names = cameras.Keys();
-  Result<std::string> name = ChooseCamera(names, process_name);
+  Result<std::string> name = ChooseCamera(CamerasOf(cameras, driver), process_name, driver);
   if (!name) return name.error();
   if (!IsCameraName(*name)) {
     return Error{ErrorCode::kInvalidArgument,
@@ -114,11 +153,11 @@ Result<Openni2Config> ReadOpenni2Config(ConfigReader& config, const std::string&
                         name->c_str(),
                         kLongestName)};
   }
-  for (const std::string& other : names) {
+  for (const std::string& other : cameras.Keys()) {
     if (other != *name) cameras.Sub(other).IgnoreAll();
   }
 
-  Openni2Config result;
+  CameraConfig result;
   result.name = *name;
   ConfigReader::Table table = cameras.Sub(*name);
   table.Require("device");

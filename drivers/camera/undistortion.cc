@@ -1,4 +1,4 @@
-#include "drivers/openni2/undistortion.h"
+#include "drivers/camera/undistortion.h"
 
 #include <cmath>
 

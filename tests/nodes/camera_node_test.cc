@@ -1,4 +1,4 @@
-#include "nodes/openni2_node.h"
+#include "nodes/camera_node.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 
 #include "bus/conversions.h"
 #include "bus/image_conversion.h"
-#include "tests/drivers/openni2_fake.h"
-#include "vantage/camera_command_t.hpp"
+#include "tests/drivers/camera/fake_camera.h"
+#include "vantage/camera_command_v2_t.hpp"
 #include "vantage/camera_info_t.hpp"
-#include "vantage/camera_status_t.hpp"
+#include "vantage/camera_status_v2_t.hpp"
 
 namespace vantage {
 namespace {
@@ -69,9 +69,9 @@ class MemoryBus : public Bus {
   std::map<std::string, BytesHandler> handlers_;
 };
 
-class Openni2NodeTest : public testing::Test {
+class CameraNodeTest : public testing::Test {
  protected:
-  Openni2NodeTest() {
+  CameraNodeTest() {
     config_.name = "XTION";
     config_.device = *DeviceSelector::Parse("index:0");
     config_.rate_hz = 0.0;
@@ -84,7 +84,7 @@ class Openni2NodeTest : public testing::Test {
   }
   void Start() {
     Result<std::unique_ptr<Node>> node =
-        MakeOpenni2Node(bus_, config_, "openni2", std::make_unique<FakeApi>(host_));
+        MakeCameraNode(bus_, config_, "openni2", std::make_unique<FakeApi>(host_));
     ASSERT_TRUE(node.ok()) << node.error().message;
     node_ = std::move(node).value();
   }
@@ -100,8 +100,8 @@ class Openni2NodeTest : public testing::Test {
     return false;
   }
   [[nodiscard]] std::vector<images_t> Images() { return bus_.Published<images_t>("CAMERA_XTION"); }
-  [[nodiscard]] std::vector<camera_status_t> Statuses() {
-    return bus_.Published<camera_status_t>("CAMERA_XTION_STATUS");
+  [[nodiscard]] std::vector<camera_status_v2_t> Statuses() {
+    return bus_.Published<camera_status_v2_t>("CAMERA_XTION_STATUS");
   }
 
   FakeHost host_;
@@ -109,11 +109,11 @@ class Openni2NodeTest : public testing::Test {
   int num_steps_ = 0;  // Of the capture thread.
   std::atomic<bool> plugged_ = false;
   MemoryBus bus_;
-  Openni2Config config_;
+  CameraConfig config_;
   std::unique_ptr<Node> node_;  // Last: its threads end first.
 };
 
-TEST_F(Openni2NodeTest, PublishesImagesInfoAndStatus) {
+TEST_F(CameraNodeTest, PublishesImagesInfoAndStatus) {
   Start();
   ASSERT_TRUE(PollUntil([this] {
     return Images().size() >= 5 && !bus_.Published<camera_info_t>("CAMERA_XTION_INFO").empty() &&
@@ -135,8 +135,8 @@ TEST_F(Openni2NodeTest, PublishesImagesInfoAndStatus) {
   EXPECT_NEAR(model->fx, 4.0 / std::tan(0.5), 1e-12);
   EXPECT_EQ(info.serial, "A");
   EXPECT_EQ(info.calibration_id, "field of view");
-  const camera_status_t status = Statuses().back();
-  EXPECT_EQ(status.state, camera_status_t::STREAMING);
+  const camera_status_v2_t status = Statuses().back();
+  EXPECT_EQ(status.state, camera_status_v2_t::STREAMING);
   EXPECT_EQ(status.serial, "A");
   EXPECT_EQ(bus_.state_, "ok");
   EXPECT_GE(bus_.stages_["compress"], 5);
@@ -144,7 +144,7 @@ TEST_F(Openni2NodeTest, PublishesImagesInfoAndStatus) {
 }
 
 // What estimators are told of the camera is true of the depth that they get.
-TEST_F(Openni2NodeTest, DistortionIsTakenOutBeforeItIsPublished) {
+TEST_F(CameraNodeTest, DistortionIsTakenOutBeforeItIsPublished) {
   CameraCalibration calibration;
   calibration.model = {.width = FakeHost::kWidth,
                        .height = FakeHost::kHeight,
@@ -174,7 +174,7 @@ TEST_F(Openni2NodeTest, DistortionIsTakenOutBeforeItIsPublished) {
   EXPECT_NE(DepthToMillimetres(frame->image), taken);
 }
 
-TEST_F(Openni2NodeTest, SurvivesUnplugging) {
+TEST_F(CameraNodeTest, SurvivesUnplugging) {
   step_ = [this] {
     ++num_steps_;
     if (host_.frame_index == 20) host_.devices.clear();
@@ -182,41 +182,41 @@ TEST_F(Openni2NodeTest, SurvivesUnplugging) {
   };
   Start();
   ASSERT_TRUE(PollUntil([this] {
-    const std::vector<camera_status_t> statuses = Statuses();
-    return statuses.back().state == camera_status_t::STREAMING &&
+    const std::vector<camera_status_v2_t> statuses = Statuses();
+    return statuses.back().state == camera_status_v2_t::STREAMING &&
            statuses.back().num_reconnects == 1;
   }));
   std::vector<int> states;
-  for (const camera_status_t& status : Statuses()) {
+  for (const camera_status_v2_t& status : Statuses()) {
     if (states.empty() || states.back() != status.state) states.push_back(status.state);
   }
-  const std::vector<int> expected = {camera_status_t::OPENING,
-                                     camera_status_t::STREAMING,
-                                     camera_status_t::LOST,
-                                     camera_status_t::SEARCHING,
-                                     camera_status_t::OPENING,
-                                     camera_status_t::STREAMING};
-  if (states.front() == camera_status_t::SEARCHING) states.erase(states.begin());
+  const std::vector<int> expected = {camera_status_v2_t::OPENING,
+                                     camera_status_v2_t::STREAMING,
+                                     camera_status_v2_t::LOST,
+                                     camera_status_v2_t::SEARCHING,
+                                     camera_status_v2_t::OPENING,
+                                     camera_status_v2_t::STREAMING};
+  if (states.front() == camera_status_v2_t::SEARCHING) states.erase(states.begin());
   EXPECT_EQ(states, expected);
   int64_t seq = 0;
   for (const images_t& message : Images()) EXPECT_EQ(ImageSeq(message.images[0]), seq++);
 }
 
-TEST_F(Openni2NodeTest, WithoutADeviceItSaysWhatItLooksFor) {
+TEST_F(CameraNodeTest, WithoutADeviceItSaysWhatItLooksFor) {
   host_.devices.clear();
   config_.device = *DeviceSelector::Parse("serial:X1");
   Start();
   ASSERT_TRUE(PollUntil([this] {
     return !Statuses().empty() &&
-           Statuses().back().message.find("no OpenNI2 device matches serial:X1 (found: none)") !=
+           Statuses().back().message.find("no fake device matches serial:X1 (found: none)") !=
                std::string::npos;
   }));
-  EXPECT_EQ(Statuses().back().state, camera_status_t::SEARCHING);
+  EXPECT_EQ(Statuses().back().state, camera_status_v2_t::SEARCHING);
   EXPECT_NE(bus_.state_.find("serial:X1"), std::string::npos);
   EXPECT_TRUE(Images().empty());
 }
 
-TEST_F(Openni2NodeTest, RateLimitLeavesFramesOut) {
+TEST_F(CameraNodeTest, RateLimitLeavesFramesOut) {
   config_.rate_hz = 10.0;
   Start();
   ASSERT_TRUE(PollUntil([this] { return Images().size() >= 6; }));
@@ -226,10 +226,10 @@ TEST_F(Openni2NodeTest, RateLimitLeavesFramesOut) {
   }
 }
 
-TEST_F(Openni2NodeTest, ObeysCommands) {
+TEST_F(CameraNodeTest, ObeysCommands) {
   Start();
   ASSERT_TRUE(PollUntil([this] { return !Images().empty(); }));
-  camera_command_t command{};
+  camera_command_v2_t command{};
   command.exposure_us = 5000;
   command.gain = 3;  // The fake has none.
   command.rate = 0.0;
@@ -239,7 +239,7 @@ TEST_F(Openni2NodeTest, ObeysCommands) {
            std::string::npos;
   }));
 
-  command = camera_command_t{};
+  command = camera_command_v2_t{};
   command.exposure_us = -1;
   command.gain = -1;
   command.restart = 1;
@@ -256,13 +256,13 @@ TEST_F(Openni2NodeTest, ObeysCommands) {
   EXPECT_EQ(host_.exposure_us, 5000);
 }
 
-TEST_F(Openni2NodeTest, SettingsAskedForBeforeThereIsADeviceAreApplied) {
+TEST_F(CameraNodeTest, SettingsAskedForBeforeThereIsADeviceAreApplied) {
   host_.devices.clear();
   step_ = [this] {
     if (plugged_ && host_.devices.empty()) host_.devices["usb/1"] = {.serial = "A"};
   };
   Start();
-  camera_command_t command{};
+  camera_command_v2_t command{};
   command.exposure_us = 5000;
   command.gain = -1;
   bus_.Deliver("CAMERA_XTION_COMMAND", command);
@@ -276,7 +276,7 @@ TEST_F(Openni2NodeTest, SettingsAskedForBeforeThereIsADeviceAreApplied) {
   EXPECT_EQ(host_.exposure_us, 5000);
 }
 
-TEST_F(Openni2NodeTest, AClockThatStepsIsTold) {
+TEST_F(CameraNodeTest, AClockThatStepsIsTold) {
   step_ = [this] {
     if (host_.frame_index == 10 && num_steps_++ == 0) host_.wall_offset_us -= 60'000'000;
   };
@@ -287,13 +287,13 @@ TEST_F(Openni2NodeTest, AClockThatStepsIsTold) {
   }));
 }
 
-TEST_F(Openni2NodeTest, MalformedFramesAreCountedAndNotSent) {
+TEST_F(CameraNodeTest, MalformedFramesAreCountedAndNotSent) {
   for (int i = 0; i < 200; ++i) {
     host_.faults.push_back(i % 2 == 0 ? FakeHost::Fault::kShort : FakeHost::Fault::kNone);
   }
   Start();
   ASSERT_TRUE(PollUntil([this] { return !Statuses().empty() && Statuses().back().num_bad > 3; }));
-  const camera_status_t status = Statuses().back();
+  const camera_status_v2_t status = Statuses().back();
   EXPECT_GE(status.num_dropped, status.num_bad);
   EXPECT_GT(status.num_captured, status.num_published);
 }

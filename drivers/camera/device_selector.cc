@@ -1,4 +1,4 @@
-#include "drivers/openni2/device_selector.h"
+#include "drivers/camera/device_selector.h"
 
 #include <algorithm>
 #include <array>
@@ -34,9 +34,15 @@ Result<DeviceSelector> DeviceSelector::Parse(const std::string& text) {
     selector.value = rest(each.prefix);
     if (!selector.value.empty()) return selector;
   }
+  for (const char* prefix : {"path:", "id:", "bus:"}) {
+    if (rest(prefix).empty()) continue;
+    selector.kind = Kind::kAlias;
+    selector.value = text;
+    return selector;
+  }
   return Error{ErrorCode::kInvalidArgument,
                Format("device \"%s\", expected \"index:N\" with N from 0 to 99, \"uri:...\", "
-                      "\"serial:...\" or \"oni:file\"",
+                      "\"serial:...\", \"oni:file\", \"path:...\", \"id:...\" or \"bus:...\"",
                       text.c_str())};
 }
 
@@ -50,6 +56,8 @@ std::string DeviceSelector::Text() const {
       return "serial:" + value;
     case Kind::kRecording:
       return "oni:" + value;
+    case Kind::kAlias:
+      return value;
   }
   return {};
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,7 +9,7 @@
 #include "bus/image_conversion.h"
 #include "common/camera_model.h"
 #include "common/result.h"
-#include "drivers/openni2/openni2_camera.h"
+#include "drivers/camera/camera.h"
 #include "nodes/config_reader.h"
 
 namespace vantage {
@@ -20,25 +21,29 @@ struct CameraCalibration {
   std::string id;                          ///< file's name and the hash of its content
 };
 
-/// Reads a calibration file (TOML, see docs/camera-drivers.md).
+/// Reads a calibration file (TOML, see docs/drivers.md).
 /// Errors: absent, no TOML, keys that are missing, unknown or out of range.
 Result<CameraCalibration> LoadCameraCalibration(const std::filesystem::path& file);
 
 /// What [camera.<NAME>] says.
-struct Openni2Config {
+struct CameraConfig {
   std::string name;  ///< the <NAME> of the channels
   DeviceSelector device;
   StreamRequest stream;
   double stall_timeout_s = 1.0;  ///< s without a frame
   double rate_hz = 10.0;         ///< published at most; 0: every frame
   DepthCompression compression = DepthCompression::kZlib;
+  std::map<std::string, int64_t> controls;  ///< the device's settings by its names, in its units
   std::optional<CameraCalibration> calibration;
 };
 
-/// The table [camera.<NAME>] of the process: of a process "openni2-<name>" the one whose NAME it is
-/// in capitals, of any other the alphabetically first. Other cameras' tables are left alone.
+/// The table [camera.<NAME>] of the process, among those of its driver ("openni2", "v4l2"): of a
+/// process "<driver>-<name>" the one whose NAME it is in capitals, of any other the alphabetically
+/// first. Other cameras' tables are left alone.
 /// Errors: no such table, a NAME that can't be part of a channel's name; a calibration as above or
 /// of another size. Errors of single keys wait for ConfigReader::Finish().
-Result<Openni2Config> ReadOpenni2Config(ConfigReader& config, const std::string& process_name);
+Result<CameraConfig> ReadCameraConfig(ConfigReader& config,
+                                      const std::string& process_name,
+                                      const std::string& driver);
 
 }  // namespace vantage

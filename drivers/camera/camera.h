@@ -11,47 +11,17 @@
 
 #include "common/camera_model.h"
 #include "common/result.h"
+#include "drivers/camera/camera_device.h"
+#include "drivers/camera/camera_frame.h"
+#include "drivers/camera/device_selector.h"
+#include "drivers/camera/undistortion.h"
 #include "drivers/clock/clock_filter.h"
-#include "drivers/openni2/depth_device.h"
-#include "drivers/openni2/device_selector.h"
-#include "drivers/openni2/undistortion.h"
 
 namespace vantage {
 
-/// In the order of camera_status_t.
-enum class CameraState { kSearching, kOpening, kStreaming, kStalled, kLost };
-
-/// What a camera is doing.
-struct CameraStatus {
-  CameraState state = CameraState::kSearching;
-  std::string message;  ///< why, in one sentence; empty when all is well
-  std::string serial;   ///< of the device in use or last in use; its URI if it has none
-  int64_t num_captured = 0;
-  int64_t num_bad = 0;  ///< of these: short or otherwise malformed
-  int64_t num_reconnects = 0;
-  double fps = 0.0;             ///< Hz, captured, over the last second or so
-  double clock_offset_s = 0.0;  ///< s, host time minus device time
-  double clock_skew_ppm = 0.0;  ///< how much faster the host's clock runs
-  int num_clock_steps = 0;      ///< times that one of the two was set or started anew
-};
-
-/// One good frame.
-struct CameraFrame {
-  CameraModel model;
-  bool registered = false;         ///< depth lies in the colour camera's frame
-  std::vector<uint16_t> depth_mm;  ///< width * height of the model; 0: no measurement
-  int color_width = 0;             ///< px; 0: no colour
-  int color_height = 0;            ///< px
-  std::vector<uint8_t> color_rgb;
-  int64_t utime = 0;           ///< us since the epoch, of the measurement
-  int64_t device_time_us = 0;  ///< as the device stamped it
-  int frame_index = 0;         ///< as the device counts
-  std::string serial;
-};
-
-/// A depth camera that is searched for until it is found, and again whenever it is lost: unplugged,
+/// A camera that is searched for until it is found, and again whenever it is lost: unplugged,
 /// or without a frame for some time. Once found it is looked for by its serial. One thread uses it.
-class Openni2Camera {
+class Camera {
  public:
   struct Options {
     DeviceSelector device;
@@ -67,8 +37,8 @@ class Openni2Camera {
 
   /// Errors: a recording that is absent, is none, or can't be opened. An
   /// absent device is no error.
-  static Result<std::unique_ptr<Openni2Camera>> Create(const Options& options,
-                                                       std::unique_ptr<DepthDeviceApi> api);
+  static Result<std::unique_ptr<Camera>> Create(const Options& options,
+                                                std::unique_ptr<CameraDeviceApi> api);
 
   /// Goes on with whatever is to do, for `timeout` or a little longer (opening a device takes its
   /// time). Nothing: no frame yet, or a bad one.
@@ -76,33 +46,38 @@ class Openni2Camera {
 
   /// Closes the device and searches again; a recording begins again.
   void Restart();
-  /// As of DepthDevice. Errors besides: no device is open.
+  /// As of CameraDevice. Errors besides: no device is open.
   Result<void> SetExposure(int exposure_us);
   Result<void> SetGain(int gain);
+  Result<void> SetControl(const std::string& name, int64_t value);
 
   [[nodiscard]] const CameraStatus& status() const { return status_; }
 
  private:
-  Openni2Camera(const Options& options, std::unique_ptr<DepthDeviceApi> api);
+  Camera(const Options& options, std::unique_ptr<CameraDeviceApi> api);
 
   void SetState(CameraState state, const std::string& message);
   void Search(std::chrono::milliseconds timeout);
   [[nodiscard]] std::vector<std::string> Candidates(const std::vector<DeviceListing>& devices);
   Result<void> TryOpen(const std::string& uri);
   Result<void> Adopt(const std::string& uri, const StreamDetails& details);
+  Result<std::optional<CameraModel>> ModelOf(const StreamDetails& details) const;
   [[nodiscard]] std::string NoDeviceMessage(const std::vector<DeviceListing>& devices) const;
   void Close(CameraState state, const std::string& message);
 
   std::optional<CameraFrame> ReadFrame(std::chrono::milliseconds timeout);
   void NoFrame();
   void EndRecording();
+  void CountMissed(int64_t index);
+  void ReportFault(const std::string& fault);
   std::optional<CameraFrame> Convert(const RawFrame& raw, int64_t arrival_utime);
+  void AddColor(const RawFrame& raw, CameraFrame* frame);
   int64_t RecordingTime(int64_t device_us);
   void CountFrame(int64_t now_us);
   [[nodiscard]] std::string Name() const;
 
   Options options_;
-  std::unique_ptr<DepthDeviceApi> api_;
+  std::unique_ptr<CameraDeviceApi> api_;
   CameraStatus status_;
   ClockFilter clock_;
 
@@ -112,13 +87,14 @@ class Openni2Camera {
   bool was_open_ = false;
   bool finished_ = false;  // The recording is over.
 
-  std::unique_ptr<DepthDevice> device_;  // Null while searching.
+  std::unique_ptr<CameraDevice> device_;  // Null while searching.
   StreamDetails details_;
-  CameraModel model_;
+  std::optional<CameraModel> model_;
   std::vector<int32_t> undistortion_;  // Empty: none.
   int64_t last_frame_us_ = 0;          // Monotonic.
   int64_t fps_since_us_ = 0;           // Monotonic.
   int64_t fps_frames_ = 0;
+  int64_t last_index_ = -1;                 // As the device counts; -1: none yet.
   std::optional<int64_t> first_device_us_;  // Of a recording.
   int64_t first_utime_ = 0;                 // At first_device_us_.
   int64_t first_monotonic_us_ = 0;          // At first_device_us_.

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/openni2/depth_device.h"
+#include "drivers/camera/camera_device.h"
 
 namespace vantage {
 
@@ -27,7 +27,7 @@ class FakeHost {
     bool refuses_to_open = false;
   };
   /// One entry is used up by every frame; when empty the frames are good.
-  enum class Fault { kNone, kShort, kWrongSize, kWrongStride, kNoData };
+  enum class Fault { kNone, kShort, kWrongSize, kWrongStride, kNoData, kMarked };
 
   std::map<std::string, Plugged> devices;  ///< by URI
   bool stalled = false;
@@ -61,9 +61,10 @@ class FakeHost {
   int num_lists = 0;
   int frame_index = 0;
   int exposure_us = -1;
+  int64_t white_balance = -1;
 };
 
-class FakeDevice : public DepthDevice {
+class FakeDevice : public CameraDevice {
  public:
   FakeDevice(FakeHost& host, std::string uri, std::string serial)
       : host_(host), uri_(std::move(uri)), serial_(std::move(serial)) {
@@ -91,12 +92,22 @@ class FakeDevice : public DepthDevice {
       return ReadResult::kTimeout;
     }
     if (!host_.details.is_recording) host_.Pass(FakeHost::kPeriodUs);
+    if (!host_.faults.empty() && host_.faults.front() == FakeHost::Fault::kMarked) {
+      host_.faults.pop_front();
+      *frame = {.depth = {}, .color = {}, .index = ++host_.frame_index, .fault = "marked as bad"};
+      return ReadResult::kBad;
+    }
     FillFrame(frame);
     return ReadResult::kFrame;
   }
 
   Result<void> SetExposure(int exposure_us) override {
     host_.exposure_us = exposure_us;
+    return {};
+  }
+  Result<void> SetControl(const std::string& name, int64_t value) override {
+    if (name != "white_balance") return Error{ErrorCode::kNotFound, "no control " + name};
+    host_.white_balance = value;
     return {};
   }
   Result<void> SetGain(int) override {
@@ -107,35 +118,37 @@ class FakeDevice : public DepthDevice {
   void FillFrame(RawFrame* frame) {
     pixels_.resize(FakeHost::kWidth * FakeHost::kHeight);
     for (size_t i = 0; i < pixels_.size(); ++i) pixels_[i] = static_cast<uint16_t>(500 + i);
-    frame->depth.width = FakeHost::kWidth;
-    frame->depth.height = FakeHost::kHeight;
-    frame->depth.stride_bytes = 2 * FakeHost::kWidth;
-    frame->depth.data = std::as_bytes(std::span(pixels_));
-    frame->depth.frame_index = ++host_.frame_index;
-    frame->depth.device_time_us = host_.details.is_recording
-                                      ? host_.frame_index * FakeHost::kPeriodUs
-                                      : host_.now_us + host_.device_offset_us;
+    RawImage& depth = frame->depth.emplace();
+    depth.width = FakeHost::kWidth;
+    depth.height = FakeHost::kHeight;
+    depth.stride_bytes = 2 * FakeHost::kWidth;
+    depth.data = std::as_bytes(std::span(pixels_));
+    frame->index = ++host_.frame_index;
+    depth.device_time_us = host_.details.is_recording ? host_.frame_index * FakeHost::kPeriodUs
+                                                      : host_.now_us + host_.device_offset_us;
     if (host_.with_color) {
       rgb_.assign(3 * pixels_.size(), std::byte{9});
       frame->color = frame->depth;
+      frame->color->layout = PixelLayout::kRgb8;
       frame->color->stride_bytes = 3 * FakeHost::kWidth;
       frame->color->data = rgb_;
     }
     if (host_.faults.empty()) return;
     switch (host_.faults.front()) {
       case FakeHost::Fault::kNone:
+      case FakeHost::Fault::kMarked:
         break;
       case FakeHost::Fault::kShort:
-        frame->depth.data = frame->depth.data.first(frame->depth.data.size() / 2);
+        depth.data = depth.data.first(depth.data.size() / 2);
         break;
       case FakeHost::Fault::kWrongSize:
-        frame->depth.width *= 2;
+        depth.width *= 2;
         break;
       case FakeHost::Fault::kWrongStride:
-        frame->depth.stride_bytes += 2;
+        depth.stride_bytes += 2;
         break;
       case FakeHost::Fault::kNoData:
-        frame->depth.data = {};
+        depth.data = {};
         break;
     }
     host_.faults.pop_front();
@@ -148,17 +161,20 @@ class FakeDevice : public DepthDevice {
   std::vector<std::byte> rgb_;
 };
 
-class FakeApi : public DepthDeviceApi {
+class FakeApi : public CameraDeviceApi {
  public:
   explicit FakeApi(FakeHost& host) : host_(host) {}
 
+  [[nodiscard]] std::string name() const override { return "fake"; }
+  [[nodiscard]] std::string search_hint() const override { return "plug one in"; }
   std::vector<DeviceListing> List() override {
     ++host_.num_lists;
     std::vector<DeviceListing> listing;
-    for (const auto& [uri, device] : host_.devices) listing.push_back({uri, "fake"});
+    for (const auto& [uri, device] : host_.devices)
+      listing.push_back({uri, "fake", {}, {"id:fake-" + uri}});
     return listing;
   }
-  Result<std::unique_ptr<DepthDevice>> Open(const std::string& uri) override {
+  Result<std::unique_ptr<CameraDevice>> Open(const std::string& uri) override {
     std::string serial;
     if (!host_.details.is_recording) {
       const auto found = host_.devices.find(uri);
@@ -168,7 +184,7 @@ class FakeApi : public DepthDeviceApi {
       }
       serial = found->second.serial;
     }
-    return std::unique_ptr<DepthDevice>(std::make_unique<FakeDevice>(host_, uri, serial));
+    return std::unique_ptr<CameraDevice>(std::make_unique<FakeDevice>(host_, uri, serial));
   }
   bool WaitForDevice(std::chrono::milliseconds timeout) override {
     if (std::exchange(host_.pressed_by_event, false)) return true;

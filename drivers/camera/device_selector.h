@@ -6,13 +6,14 @@
 
 namespace vantage {
 
-/// Which device: "index:0" (place in the list of devices), "uri:...", "serial:..." or "oni:file".
+/// Which device: "index:0" (place in the list of devices), "uri:...", "serial:...", "oni:file", or
+/// one of V4L2's other names: "path:/dev/video0", "id:..." (of /dev/v4l/by-id), "bus:...".
 struct DeviceSelector {
-  enum class Kind { kIndex, kUri, kSerial, kRecording };
+  enum class Kind { kIndex, kUri, kSerial, kRecording, kAlias };
 
   Kind kind = Kind::kIndex;
   int index = 0;      ///< for kIndex
-  std::string value;  ///< URI, serial or path
+  std::string value;  ///< URI, serial, path, or alias with its prefix
 
   /// Errors: another form, or an index outside 0..99.
   static Result<DeviceSelector> Parse(const std::string& text);

@@ -1,4 +1,4 @@
-#include "nodes/openni2_config.h"
+#include "nodes/camera_config.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,14 +13,14 @@ namespace {
 
 // The config, or the sentence that says why not.
 struct Outcome {
-  Openni2Config config;
+  CameraConfig config;
   std::string error;
 };
 
 Outcome Read(const std::string& text, const std::string& process_name = "openni2") {
   Result<ConfigReader> reader = ConfigReader::Parse(text, "x.toml");
   if (!reader) return {{}, reader.error().message};
-  const Result<Openni2Config> config = ReadOpenni2Config(*reader, process_name);
+  const Result<CameraConfig> config = ReadCameraConfig(*reader, process_name, "openni2");
   if (!config) return {{}, config.error().message};
   IgnoreTablesOfOthers(*reader);
   const Result<void> finished = reader->Finish();
@@ -36,13 +36,13 @@ class CalibrationFile {
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:
-  std::string path_ = testing::TempDir() + Format("openni2_config_test.%d.toml", getpid());
+  std::string path_ = testing::TempDir() + Format("camera_config_test.%d.toml", getpid());
 };
 
 const char* const kCalibration =
     "width_px = 640\nheight_px = 480\nfx_px = 570.0\nfy_px = 571.0\ncx_px = 319.0\ncy_px = 240.0\n";
 
-TEST(Openni2Config, DefaultsSuitAnXtion) {
+TEST(CameraConfig, DefaultsSuitAnXtion) {
   const Outcome read = Read("[camera.XTION]\ndevice = \"index:0\"\n");
   ASSERT_EQ(read.error, "");
   EXPECT_EQ(read.config.name, "XTION");
@@ -53,17 +53,17 @@ TEST(Openni2Config, DefaultsSuitAnXtion) {
   EXPECT_FALSE(read.config.calibration.has_value());
 }
 
-TEST(Openni2Config, TheDemosConfigIsRead) {
+TEST(CameraConfig, TheDemosConfigIsRead) {
   Result<ConfigReader> reader = ConfigReader::Open(VANTAGE_SOURCE_DIR "/config/demo.toml");
   ASSERT_TRUE(reader.ok());
-  const Result<Openni2Config> config = ReadOpenni2Config(*reader, "openni2");
+  const Result<CameraConfig> config = ReadCameraConfig(*reader, "openni2", "openni2");
   ASSERT_TRUE(config.ok());
   EXPECT_EQ(config->device.Text(), "serial:SIM0001");
   IgnoreTablesOfOthers(*reader);
   EXPECT_TRUE(reader->Finish().ok());
 }
 
-TEST(Openni2Config, ProcessNameChoosesTheCamera) {
+TEST(CameraConfig, ProcessNameChoosesTheCamera) {
   const std::string two =
       "[camera.LEFT]\ndevice = \"index:0\"\n[camera.RIGHT]\ndevice = \"index:1\"\nother = 1\n";
   EXPECT_EQ(Read(two).config.name, "LEFT");
@@ -75,7 +75,7 @@ TEST(Openni2Config, ProcessNameChoosesTheCamera) {
             "one of: openni2-left, openni2-right");
 }
 
-TEST(Openni2Config, ErrorsNameTheKeyAndTheBound) {
+TEST(CameraConfig, ErrorsNameTheKeyAndTheBound) {
   const std::string camera = "[camera.XTION]\n";
   const std::string device = camera + "device = \"index:0\"\n";
   const struct {
@@ -101,14 +101,14 @@ TEST(Openni2Config, ErrorsNameTheKeyAndTheBound) {
   }
 }
 
-TEST(Openni2Config, ARecordingsPathStartsAtTheConfigsFolder) {
+TEST(CameraConfig, ARecordingsPathStartsAtTheConfigsFolder) {
   const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / Format("openni2_config_test.%d", getpid());
+      std::filesystem::path(testing::TempDir()) / Format("camera_config_test.%d", getpid());
   std::filesystem::create_directories(folder);
   const auto device_of = [&folder](const std::string& device) {
     std::ofstream(folder / "x.toml") << "[camera.XTION]\ndevice = \"" << device << "\"\n";
     Result<ConfigReader> reader = ConfigReader::Open(folder / "x.toml");
-    return ReadOpenni2Config(*reader, "openni2")->device.Text();
+    return ReadCameraConfig(*reader, "openni2", "openni2")->device.Text();
   };
   EXPECT_EQ(device_of("oni:../run.oni"), "oni:" + (folder.parent_path() / "run.oni").string());
   EXPECT_EQ(device_of("oni:/a/run.oni"), "oni:/a/run.oni");

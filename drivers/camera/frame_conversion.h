@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/openni2/depth_device.h"
+#include "drivers/camera/camera_frame.h"
 
 namespace vantage {
 
@@ -16,7 +16,8 @@ std::string FrameFault(const RawFrame& frame, const StreamDetails& details);
 /// measurement. The frame has passed FrameFault().
 std::vector<uint16_t> DepthMillimetres(const RawImage& depth, const StreamDetails& details);
 
-/// RGB, rows from left to right. The frame has passed FrameFault().
-std::vector<uint8_t> ColorRgb(const RawImage& color, const StreamDetails& details);
+/// A color image of utime 0, rows from left to right, its layout as it came. The frame has passed
+/// FrameFault().
+ColorImage ColorImageOf(const RawImage& color, const StreamDetails& details);
 
 }  // namespace vantage

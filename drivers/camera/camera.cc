@@ -1,4 +1,4 @@
-#include "drivers/openni2/openni2_camera.h"
+#include "drivers/camera/camera.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/format.h"
-#include "drivers/openni2/frame_conversion.h"
+#include "drivers/camera/frame_conversion.h"
 
 namespace vantage {
 namespace {
@@ -19,29 +19,34 @@ int64_t Microseconds(std::chrono::milliseconds duration) {
   return std::chrono::microseconds(duration).count();
 }
 
+bool IsCalled(const DeviceListing& device, const DeviceSelector& selector) {
+  if (selector.kind == DeviceSelector::Kind::kUri) return device.uri == selector.value;
+  return std::ranges::find(device.aliases, selector.value) != device.aliases.end();
+}
+
 bool IsFieldOfView(double angle) { return angle > 0.0 && angle < std::numbers::pi; }
 
 }  // namespace
 
-Result<std::unique_ptr<Openni2Camera>> Openni2Camera::Create(const Options& options,
-                                                             std::unique_ptr<DepthDeviceApi> api) {
+Result<std::unique_ptr<Camera>> Camera::Create(const Options& options,
+                                               std::unique_ptr<CameraDeviceApi> api) {
   const bool recording = options.device.kind == DeviceSelector::Kind::kRecording;
   if (recording) {
     if (Result<void> there = CheckRecording(options.device.value); !there) return there.error();
   }
-  std::unique_ptr<Openni2Camera> camera(new Openni2Camera(options, std::move(api)));
+  std::unique_ptr<Camera> camera(new Camera(options, std::move(api)));
   if (recording) {
     if (Result<void> open = camera->TryOpen(options.device.value); !open) return open.error();
   }
   return camera;
 }
 
-Openni2Camera::Openni2Camera(const Options& options, std::unique_ptr<DepthDeviceApi> api)
+Camera::Camera(const Options& options, std::unique_ptr<CameraDeviceApi> api)
     : options_(options), api_(std::move(api)) {
   if (options_.device.kind == DeviceSelector::Kind::kSerial) wanted_serial_ = options_.device.value;
 }
 
-std::optional<CameraFrame> Openni2Camera::Grab(std::chrono::milliseconds timeout) {
+std::optional<CameraFrame> Camera::Grab(std::chrono::milliseconds timeout) {
   if (device_ != nullptr) return ReadFrame(timeout);
   if (finished_) {
     api_->Sleep(timeout);
@@ -51,24 +56,31 @@ std::optional<CameraFrame> Openni2Camera::Grab(std::chrono::milliseconds timeout
   return std::nullopt;
 }
 
-void Openni2Camera::Restart() {
+void Camera::Restart() {
   finished_ = false;
   next_attempt_us_ = 0;
   known_serials_.clear();
   Close(CameraState::kSearching, "restarted on command");
 }
 
-Result<void> Openni2Camera::SetExposure(int exposure_us) {
+Result<void> Camera::SetExposure(int exposure_us) {
   if (device_ == nullptr) return Error{ErrorCode::kUnavailable, "exposure not set: no device yet"};
   return device_->SetExposure(exposure_us);
 }
 
-Result<void> Openni2Camera::SetGain(int gain) {
+Result<void> Camera::SetGain(int gain) {
   if (device_ == nullptr) return Error{ErrorCode::kUnavailable, "gain not set: no device yet"};
   return device_->SetGain(gain);
 }
 
-void Openni2Camera::SetState(CameraState state, const std::string& message) {
+Result<void> Camera::SetControl(const std::string& name, int64_t value) {
+  if (device_ == nullptr) {
+    return Error{ErrorCode::kUnavailable, "control " + name + " not set: no device yet"};
+  }
+  return device_->SetControl(name, value);
+}
+
+void Camera::SetState(CameraState state, const std::string& message) {
   const bool changed = state != status_.state;
   status_.state = state;
   status_.message = message;
@@ -77,7 +89,7 @@ void Openni2Camera::SetState(CameraState state, const std::string& message) {
 
 // Searching and opening.
 
-void Openni2Camera::Search(std::chrono::milliseconds timeout) {
+void Camera::Search(std::chrono::milliseconds timeout) {
   const int64_t wait_us = next_attempt_us_ - api_->MonotonicUs();
   if (wait_us > 0) {
     const auto wait = std::min(timeout, std::chrono::milliseconds((wait_us + 999) / 1000));
@@ -97,10 +109,13 @@ void Openni2Camera::Search(std::chrono::milliseconds timeout) {
                                                                         : options_.retry_interval);
 }
 
-std::vector<std::string> Openni2Camera::Candidates(const std::vector<DeviceListing>& devices) {
+std::vector<std::string> Camera::Candidates(const std::vector<DeviceListing>& devices) {
   std::erase_if(known_serials_, [&devices](const auto& known) {
     return std::ranges::find(devices, known.first, &DeviceListing::uri) == devices.end();
   });
+  for (const DeviceListing& device : devices) {
+    if (!device.serial.empty()) known_serials_[device.uri] = device.serial;
+  }
   const DeviceSelector& selector = options_.device;
   if (selector.kind == DeviceSelector::Kind::kRecording) return {selector.value};
   std::vector<std::string> candidates;
@@ -114,15 +129,17 @@ std::vector<std::string> Openni2Camera::Candidates(const std::vector<DeviceListi
   } else if (selector.kind == DeviceSelector::Kind::kIndex) {
     const size_t index = static_cast<size_t>(selector.index);
     if (index < devices.size()) candidates.push_back(devices[index].uri);
-  } else if (std::ranges::find(devices, selector.value, &DeviceListing::uri) != devices.end()) {
-    candidates.push_back(selector.value);
+  } else {
+    for (const DeviceListing& device : devices) {
+      if (IsCalled(device, selector)) candidates.push_back(device.uri);
+    }
   }
   return candidates;
 }
 
-Result<void> Openni2Camera::TryOpen(const std::string& uri) {
+Result<void> Camera::TryOpen(const std::string& uri) {
   SetState(CameraState::kOpening, "opening " + uri);
-  Result<std::unique_ptr<DepthDevice>> device = api_->Open(uri);
+  Result<std::unique_ptr<CameraDevice>> device = api_->Open(uri);
   if (!device) {
     // Whatever the reason, it is not a matter of the serial.
     return Error{ErrorCode::kUnavailable, device.error().message};
@@ -151,44 +168,61 @@ Result<void> Openni2Camera::TryOpen(const std::string& uri) {
   return {};
 }
 
-Result<void> Openni2Camera::Adopt(const std::string& uri, const StreamDetails& details) {
-  const auto refuse = [&uri](const std::string& reason) {
-    return Error{ErrorCode::kUnavailable, "device " + uri + ": " + reason};
+Result<std::optional<CameraModel>> Camera::ModelOf(const StreamDetails& details) const {
+  const auto reject = [](const std::string& reason) {
+    return Error{ErrorCode::kUnavailable, reason};
   };
+  std::optional<CameraModel> model;
   if (options_.calibration) {
-    model_ = *options_.calibration;
-    if (model_.width != details.width || model_.height != details.height) {
-      return refuse(Format("gives depth of %d x %d px, expected the %d x %d px of the calibration",
+    model = options_.calibration;
+    if (model->width != details.width || model->height != details.height) {
+      return reject(Format("gives images of %d x %d px, expected the %d x %d px of the calibration",
                            details.width,
                            details.height,
-                           model_.width,
-                           model_.height));
+                           model->width,
+                           model->height));
     }
-  } else {
+  } else if (details.horizontal_fov != 0.0 || details.vertical_fov != 0.0) {
     if (!IsFieldOfView(details.horizontal_fov) || !IsFieldOfView(details.vertical_fov)) {
-      return refuse(
+      return reject(
           Format("reports a field of view of %g x %g rad, expected each between 0 and pi; "
                  "a calibration file can stand in for it",
                  details.horizontal_fov,
                  details.vertical_fov));
     }
-    model_ = CameraFromFieldOfView(
+    model = CameraFromFieldOfView(
         details.width, details.height, details.horizontal_fov, details.vertical_fov);
   }
-  if (Result<void> valid = model_.Validate(); !valid) return refuse(valid.error().message);
-  details_ = details;
-  undistortion_.clear();
-  if (options_.calibration && options_.distortion) {
-    undistortion_ = UndistortionMap(model_, *options_.distortion);
+  if (model) {
+    if (Result<void> valid = model->Validate(); !valid) return valid.error();
   }
-  clock_.Reset();
+  return model;
+}
+
+Result<void> Camera::Adopt(const std::string& uri, const StreamDetails& details) {
+  const Result<std::optional<CameraModel>> model = ModelOf(details);
+  if (!model) {
+    return Error{ErrorCode::kUnavailable, "device " + uri + ": " + model.error().message};
+  }
+  model_ = *model;
+  details_ = details;
+  if (!model_) {
+    details_.note += (details_.note.empty() ? "" : "; ");
+    details_.note += "it does not tell its field of view, and no calibration file does";
+  }
+  undistortion_.clear();
+  if (options_.calibration && options_.distortion && details.has_depth) {
+    undistortion_ = UndistortionMap(*model_, *options_.distortion);
+  }
+  clock_.Reset(details.clock_modulus_us);
   first_device_us_.reset();
   last_frame_us_ = fps_since_us_ = api_->MonotonicUs();
   fps_frames_ = 0;
+  last_index_ = -1;
   return {};
 }
 
-std::string Openni2Camera::NoDeviceMessage(const std::vector<DeviceListing>& devices) const {
+std::string Camera::NoDeviceMessage(const std::vector<DeviceListing>& devices) const {
   std::string found;
   for (const DeviceListing& device : devices) {
     found += (found.empty() ? "" : ", ") + device.uri;
@@ -198,11 +232,14 @@ std::string Openni2Camera::NoDeviceMessage(const std::vector<DeviceListing>& dev
   if (found.empty()) found = "none";
   const std::string wanted =
       wanted_serial_.empty() ? options_.device.Text() : "serial:" + wanted_serial_;
-  return "no OpenNI2 device matches " + wanted + " (found: " + found +
-         "); waiting for one; check the cable, `lsusb`, and udev rules";
+  return Format("no %s device matches %s (found: %s); waiting for one; %s",
+                api_->name().c_str(),
+                wanted.c_str(),
+                found.c_str(),
+                api_->search_hint().c_str());
 }
 
-void Openni2Camera::Close(CameraState state, const std::string& message) {
+void Camera::Close(CameraState state, const std::string& message) {
   device_.reset();
   status_.fps = 0.0;
   SetState(state, message);
@@ -210,40 +247,43 @@ void Openni2Camera::Close(CameraState state, const std::string& message) {
 
 // Reading.
 
-std::optional<CameraFrame> Openni2Camera::ReadFrame(std::chrono::milliseconds timeout) {
+std::optional<CameraFrame> Camera::ReadFrame(std::chrono::milliseconds timeout) {
   RawFrame raw;
-  const DepthDevice::ReadResult result = device_->Read(timeout, &raw);
+  const CameraDevice::ReadResult result = device_->Read(timeout, &raw);
   const int64_t now_us = api_->MonotonicUs();
   const int64_t arrival_utime = api_->WallUs();
   switch (result) {
-    case DepthDevice::ReadResult::kFrame: {
+    case CameraDevice::ReadResult::kFrame:
+    case CameraDevice::ReadResult::kBad:
       CountFrame(now_us);
+      CountMissed(raw.index);
       last_frame_us_ = now_us;
-      return Convert(raw, arrival_utime);
-    }
-    case DepthDevice::ReadResult::kTimeout:
+      if (result == CameraDevice::ReadResult::kFrame) return Convert(raw, arrival_utime);
+      ReportFault(raw.fault);
+      return std::nullopt;
+    case CameraDevice::ReadResult::kTimeout:
       NoFrame();
       return std::nullopt;
-    case DepthDevice::ReadResult::kGone:
+    case CameraDevice::ReadResult::kGone:
       Close(CameraState::kLost, Name() + " was unplugged; searching for it");
       // A device that is gone leaves the list a little later.
       next_attempt_us_ = now_us + Microseconds(options_.search_interval);
       return std::nullopt;
-    case DepthDevice::ReadResult::kEnd:
+    case CameraDevice::ReadResult::kEnd:
       EndRecording();
       return std::nullopt;
   }
   return std::nullopt;
 }
 
-void Openni2Camera::EndRecording() {
+void Camera::EndRecording() {
   finished_ = true;
   Close(CameraState::kLost,
         Format("the recording %s is over; the command \"restart\" plays it again",
                options_.device.value.c_str()));
 }
 
-void Openni2Camera::NoFrame() {
+void Camera::NoFrame() {
   const int64_t now_us = api_->MonotonicUs();
   if (now_us - fps_since_us_ >= kFpsInterval) status_.fps = 0.0;
   const int64_t silence_us = now_us - last_frame_us_;
@@ -259,7 +299,7 @@ void Openni2Camera::NoFrame() {
   }
 }
 
-void Openni2Camera::CountFrame(int64_t now_us) {
+void Camera::CountFrame(int64_t now_us) {
   ++status_.num_captured;
   ++fps_frames_;
   const int64_t elapsed_us = now_us - fps_since_us_;
@@ -269,28 +309,36 @@ void Openni2Camera::CountFrame(int64_t now_us) {
   fps_frames_ = 0;
 }
 
-std::optional<CameraFrame> Openni2Camera::Convert(const RawFrame& raw, int64_t arrival_utime) {
+// A device that counts anew, or plays a recording again, has lost nothing.
+void Camera::CountMissed(int64_t index) {
+  if (index < 0) return;
+  if (last_index_ >= 0 && index > last_index_) status_.num_missed += index - last_index_ - 1;
+  last_index_ = index;
+}
+
+void Camera::ReportFault(const std::string& fault) {
+  ++status_.num_bad;
+  SetState(CameraState::kStreaming, Name() + ": " + fault);
+}
+
+std::optional<CameraFrame> Camera::Convert(const RawFrame& raw, int64_t arrival_utime) {
   if (const std::string fault = FrameFault(raw, details_); !fault.empty()) {
-    ++status_.num_bad;
-    SetState(CameraState::kStreaming, Name() + ": " + fault);
+    ReportFault(fault);
     return std::nullopt;
   }
   SetState(CameraState::kStreaming, details_.note);
   CameraFrame frame;
+  frame.width = details_.width;
+  frame.height = details_.height;
   frame.model = model_;
   frame.registered = details_.registered;
-  frame.depth_mm = DepthMillimetres(raw.depth, details_);
+  if (raw.depth) frame.depth_mm = DepthMillimetres(*raw.depth, details_);
   if (!undistortion_.empty()) frame.depth_mm = Undistort(frame.depth_mm, undistortion_);
-  if (raw.color) {
-    frame.color_width = raw.color->width;
-    frame.color_height = raw.color->height;
-    frame.color_rgb = ColorRgb(*raw.color, details_);
-  }
-  frame.device_time_us = raw.depth.device_time_us;
-  frame.frame_index = raw.depth.frame_index;
+  frame.device_time_us = raw.depth ? raw.depth->device_time_us : raw.color->device_time_us;
   frame.serial = status_.serial;
   frame.utime = details_.is_recording ? RecordingTime(frame.device_time_us)
                                       : clock_.Update(frame.device_time_us, arrival_utime);
+  AddColor(raw, &frame);
   const double offset_us = details_.is_recording
                                ? static_cast<double>(frame.utime - frame.device_time_us)
                                : clock_.offset_us();
@@ -300,8 +348,19 @@ std::optional<CameraFrame> Openni2Camera::Convert(const RawFrame& raw, int64_t a
   return frame;
 }
 
+void Camera::AddColor(const RawFrame& raw, CameraFrame* frame) {
+  if (!raw.color) {
+    if (details_.has_color) ++status_.num_unpaired;
+    return;
+  }
+  frame->color = ColorImageOf(*raw.color, details_);
+  const int64_t delay_us = raw.color->device_time_us - frame->device_time_us;
+  frame->color->utime = frame->utime + delay_us;
+  status_.color_delay_s = 1e-6 * static_cast<double>(delay_us);
+}
+
 // A recording's frames keep the distances of its stamps, from the time when it began to play.
-int64_t Openni2Camera::RecordingTime(int64_t device_us) {
+int64_t Camera::RecordingTime(int64_t device_us) {
   const int64_t elapsed_us = device_us - first_device_us_.value_or(device_us);
   if (!first_device_us_) {
     first_device_us_ = device_us;
@@ -313,6 +372,6 @@ int64_t Openni2Camera::RecordingTime(int64_t device_us) {
   return first_utime_ + elapsed_us;
 }
 
-std::string Openni2Camera::Name() const { return "device " + status_.serial; }
+std::string Camera::Name() const { return "device " + status_.serial; }
 
 }  // namespace vantage
