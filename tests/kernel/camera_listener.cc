@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kPatience(20);
+constexpr std::chrono::seconds kPatience(10);
 
 void Demand(const Result<void>& result) {
   if (!result) throw std::runtime_error(result.error().message);

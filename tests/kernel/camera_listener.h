@@ -26,7 +26,7 @@ class CameraListener {
   /// @param camera the <NAME> of CAMERA_<NAME>.
   explicit CameraListener(const std::string& camera);
 
-  /// Listens until the condition holds. @return false: it did not within 20 s.
+  /// Listens until the condition holds. @return false: it did not within 10 s.
   bool ListenUntil(const std::function<bool()>& condition);
   void ListenFor(std::chrono::milliseconds duration);
   /// Listens until so many more images came.

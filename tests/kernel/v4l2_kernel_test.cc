@@ -133,7 +133,7 @@ TEST_P(VividColor, ShowsTheColorBarsWithoutLoss) {
 INSTANTIATE_TEST_SUITE_P(Formats,
                          VividColor,
                          ::testing::Values("YUYV", "UYVY", "GRBG"),
-                         ::testing::PrintToStringParamName());
+                         [](const auto& test) { return test.param; });
 
 TEST_F(VividCamera, GreyBarsGetDarkerWithoutLoss) {
   Stream("color_format = \"GREY\"");
@@ -242,7 +242,7 @@ TEST_P(VividRefusal, IsSurvived) {
 INSTANTIATE_TEST_SUITE_P(Calls,
                          VividRefusal,
                          ::testing::Values("REQBUFS", "QBUF", "STREAMON"),
-                         ::testing::PrintToStringParamName());
+                         [](const auto& test) { return test.param; });
 
 // The node stays but answers nothing until everybody has closed it.
 TEST_F(VividCamera, ComesBackAfterDisconnecting) {

@@ -1,6 +1,6 @@
 # Installs what packages.txt names. Sourced; needs $root, the project's folder.
 
-# install_packages [bench | test]: the packages of packages.txt that are not there yet; those with a
+# install_packages [bench | test | kernel]: the packages of packages.txt that are not there yet; those with a
 # mark only when asked for.
 install_packages() {
   local wanted missing=() name
