@@ -5,6 +5,7 @@
 #include "bus/image_conversion.h"
 #include "bus/message_time.h"
 #include "common/format.h"
+#include "common/jpeg_decoder.h"
 
 namespace vantage {
 namespace {
@@ -27,11 +28,31 @@ uint8_t Luma(unsigned red, unsigned green, unsigned blue) {
   return static_cast<uint8_t>((19595U * red + 38470U * green + 7471U * blue + 32768U) >> 16U);
 }
 
+Result<GrayImage> GrayFromJpeg(const image_t& image) {
+  if (image.width < 1 || image.height < 1 || image.width > kMaxImageSide ||
+      image.height > kMaxImageSide) {
+    return Error{ErrorCode::kCorrupt,
+                 Format("JPEG image of %d x %d px, expected sides of 1 to %d px",
+                        image.width,
+                        image.height,
+                        kMaxImageSide)};
+  }
+  GrayImage gray;
+  Result<void> decoded =
+      DecodeJpeg(image.data, image.width, image.height, JpegPixels::kGray, &gray.pixels);
+  if (!decoded) return decoded.error();
+  gray.width = image.width;
+  gray.height = image.height;
+  return gray;
+}
+
 Result<GrayImage> GrayFromImage(const image_t& image) {
+  if (image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) return GrayFromJpeg(image);
   const size_t bytes_per_pixel = BytesPerPixel(image.pixelformat);
   if (bytes_per_pixel == 0) {
-    return Error{ErrorCode::kInvalidArgument,
-                 Format("image of pixel format %d, expected gray, RGB or BGR", image.pixelformat)};
+    return Error{
+        ErrorCode::kInvalidArgument,
+        Format("image of pixel format %d, expected gray, RGB, BGR or MJPEG", image.pixelformat)};
   }
   const bool sized = image.width >= 1 && image.height >= 1 && image.width <= kMaxImageSide &&
                      image.height <= kMaxImageSide && image.row_stride >= 0;

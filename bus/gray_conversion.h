@@ -14,9 +14,10 @@ struct GrayFrame {
   GrayImage image;
 };
 
-/// The first image of type LEFT, its pixels gray, RGB or BGR; color as luma (ITU-R BT.601).
-/// Errors: as CheckUtime; none there; another pixel format; a side outside 1..kMaxImageSide; a row
-/// stride or number of bytes that does not belong to the size.
+/// The first image of type LEFT, its pixels gray, RGB, BGR or MJPEG; color as luma (ITU-R
+/// BT.601). Errors: as CheckUtime; none there; another pixel format; a side outside
+/// 1..kMaxImageSide; a row stride or number of bytes that does not belong to the size; as
+/// DecodeJpeg.
 Result<GrayFrame> GrayFrameFromMessage(const images_t& message);
 
 }  // namespace vantage

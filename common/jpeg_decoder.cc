@@ -16,6 +16,9 @@
 namespace vantage {
 namespace {
 
+// Huffman codes spend a bit at least on each of the two parts of a block of 64 pixels.
+constexpr size_t kMostPixelsPerByte = 256;
+
 // libjpeg reports by callbacks that must not return.
 struct ErrorHandler {
   jpeg_error_mgr manager;  // First, so that a pointer to it is one to the handler.
@@ -39,7 +42,7 @@ struct Wanted {
   unsigned width;
   unsigned height;
   JpegPixels kind;
-  std::vector<uint8_t>* pixels;
+  uint8_t* pixels;
 };
 
 // No object that needs its destructor lives here: Escape() jumps over this function.
@@ -80,7 +83,7 @@ std::string Decode(const Wanted& wanted) {
   const char* fault = ReadHeader(&decoder, wanted);
   if (fault == nullptr) {
     jpeg_start_decompress(&decoder);
-    ReadRows(&decoder, wanted.pixels->data());
+    ReadRows(&decoder, wanted.pixels);
     jpeg_finish_decompress(&decoder);
   }
   jpeg_destroy_decompress(&decoder);
@@ -95,10 +98,16 @@ Result<void> DecodeJpeg(std::span<const uint8_t> jpeg,
                         JpegPixels kind,
                         std::vector<uint8_t>* pixels) {
   VANTAGE_CHECK(width > 0 && height > 0, Format("%d x %d px", width, height));
-  const size_t channels = kind == JpegPixels::kGray ? 1 : 3;
-  pixels->resize(channels * static_cast<size_t>(width) * static_cast<size_t>(height));
-  const std::string fault =
-      Decode({jpeg, static_cast<unsigned>(width), static_cast<unsigned>(height), kind, pixels});
+  const size_t num_pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
+  std::string fault = "is too short for its size";
+  if (num_pixels <= kMostPixelsPerByte * jpeg.size()) {
+    pixels->resize((kind == JpegPixels::kGray ? 1 : 3) * num_pixels);
+    fault = Decode({.jpeg = jpeg,
+                    .width = static_cast<unsigned>(width),
+                    .height = static_cast<unsigned>(height),
+                    .kind = kind,
+                    .pixels = pixels->data()});
+  }
   if (fault.empty()) return {};
   return Error{ErrorCode::kCorrupt,
                Format("JPEG image of %zu bytes: %s, expected a whole baseline image of %d x %d px",

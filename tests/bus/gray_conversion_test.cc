@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "bus/image_conversion.h"
+#include "tests/common/jpeg_encoder.h"
 
 namespace vantage {
 namespace {
@@ -47,6 +50,29 @@ TEST(GrayFrameFromMessage, ColorIsLuma) {
   EXPECT_EQ(white->image.pixels[0], 255);
 }
 
+TEST(GrayFrameFromMessage, ReadsMotionJpeg) {
+  std::vector<uint8_t> orange;
+  for (int i = 0; i < 32 * 16; ++i) orange.insert(orange.end(), {200, 120, 40});
+  const std::vector<uint8_t> jpeg = EncodeJpeg(orange, 32, 16, 3);
+  const auto frame = Read(Image(image_t::PIXEL_FORMAT_MJPEG, 32, 16, 0, jpeg));
+  ASSERT_TRUE(frame.ok()) << frame.error().message;
+  ASSERT_EQ(frame->image.pixels.size(), 32U * 16U);
+  EXPECT_EQ(frame->image.height, 16);
+  for (const uint8_t luma : frame->image.pixels) EXPECT_LE(std::abs(luma - 135), 2);
+
+  const std::vector<uint8_t> half(jpeg.begin(),
+                                  jpeg.begin() + static_cast<std::ptrdiff_t>(jpeg.size() / 2));
+  for (const image_t& wrong : {Image(image_t::PIXEL_FORMAT_MJPEG, 32, 16, 0, half),
+                               Image(image_t::PIXEL_FORMAT_MJPEG, 16, 16, 0, jpeg),
+                               Image(image_t::PIXEL_FORMAT_MJPEG, -32, 16, 0, jpeg),
+                               Image(image_t::PIXEL_FORMAT_MJPEG, 4096, 4096, 0, jpeg),
+                               Image(image_t::PIXEL_FORMAT_MJPEG, 1 << 30, 1 << 30, 0, jpeg)}) {
+    const auto read = Read(wrong);
+    ASSERT_FALSE(read.ok());
+    EXPECT_NE(read.error().message.find("JPEG image of "), std::string::npos);
+  }
+}
+
 TEST(GrayFrameFromMessage, RefusesSizesThatDoNotFitTheBytes) {
   const std::vector<uint8_t> six(6, 0);
   EXPECT_TRUE(Read(Image(image_t::PIXEL_FORMAT_GRAY, 3, 2, 3, six)).ok());
@@ -66,9 +92,9 @@ TEST(GrayFrameFromMessage, RefusesSizesThatDoNotFitTheBytes) {
 }
 
 TEST(GrayFrameFromMessage, NamesWhatItCanNotRead) {
-  const auto format = Read(Image(image_t::PIXEL_FORMAT_MJPEG, 1, 1, 1, {0}));
+  const auto format = Read(Image(image_t::PIXEL_FORMAT_UYVY, 1, 1, 2, {0, 0}));
   ASSERT_FALSE(format.ok());
-  EXPECT_NE(format.error().message.find("expected gray, RGB or BGR"), std::string::npos);
+  EXPECT_NE(format.error().message.find("expected gray, RGB, BGR or MJPEG"), std::string::npos);
   const auto depth = Read(Image(image_t::PIXEL_FORMAT_GRAY, 1, 1, 1, {0}), images_t::DEPTH_MM);
   ASSERT_FALSE(depth.ok());
   EXPECT_NE(depth.error().message.find("color = true"), std::string::npos);
