@@ -58,7 +58,6 @@ void VividDevice::Reset() {
   Set("Brightness", 128);
   Set("Contrast", 128);
   Set("Percentage of Dropped Buffers", 0);
-  Set("Fill Percentage of Frame", 100);
   Set("Wrap Sequence Number", 0);
   Set("Wrap Timestamp", 0);
 }
