@@ -1,0 +1,45 @@
+#include "nodes/v4l2_node.h"
+
+#include "common/format.h"
+#include "drivers/v4l2/v4l2_api.h"
+#include "nodes/camera_node.h"
+#include "nodes/v4l2_config.h"
+
+namespace vantage {
+namespace {
+
+// The node or link that the configuration names; empty: it names none.
+std::string PathOf(const DeviceSelector& device) {
+  constexpr std::string_view kPath = "path:";
+  if (device.kind == DeviceSelector::Kind::kUri) return device.value;
+  const bool is_path =
+      device.kind == DeviceSelector::Kind::kAlias && device.value.starts_with(kPath);
+  return is_path ? device.value.substr(kPath.size()) : std::string();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Node>> MakeV4l2Node(Bus& bus,
+                                           ConfigReader& config,
+                                           const ProcessOptions& options) {
+  const Result<V4l2Config> read = ReadV4l2Config(config, options.name);
+  if (!read) return read.error();
+  IgnoreTablesOfOthers(config);
+  // Before any hardware is touched.
+  if (Result<void> finished = config.Finish(); !finished) return finished.error();
+  return MakeCameraNode(bus,
+                        read->camera,
+                        options.name,
+                        std::make_unique<V4l2Api>(read->v4l2, PathOf(read->camera.device)));
+}
+
+Result<std::string> ListV4l2Devices() {
+  std::string list;
+  for (const VideoNode& node : ListVideoNodes({})) {
+    list += Format("path:%s  %s\n", node.path.c_str(), node.name.c_str());
+  }
+  if (list.empty()) list = "no V4L2 device; check the cable and `lsusb`\n";
+  return list;
+}
+
+}  // namespace vantage
