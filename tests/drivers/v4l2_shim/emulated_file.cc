@@ -66,10 +66,6 @@ int EmulatedFile::Ioctl(const Device& device, int fd, unsigned long request, voi
   if (request == VIDIOC_QUERYCAP) {
     return QueryCapability(device, static_cast<v4l2_capability*>(argument));
   }
-  if (request == VIDIOC_G_PRIORITY) {
-    *static_cast<uint32_t*>(argument) = V4L2_PRIORITY_DEFAULT;
-    return 0;
-  }
   int error = ControlIoctl(root_, device, request, argument);
   if (device.kind != Device::Kind::kCapture) return error;
   if (error == ENOTTY) error = FormatIoctl(device, request, argument);

@@ -40,6 +40,7 @@ Emulator& TheEmulator() {
   return *emulator;
 }
 
+// Empty: none that is emulated.
 std::string CallName(unsigned long request) {
   static const std::map<unsigned long, std::string> kNames = {
       {VIDIOC_QUERYCAP, "QUERYCAP"},
@@ -63,7 +64,11 @@ std::string CallName(unsigned long request) {
       {VIDIOC_G_CTRL, "G_CTRL"},
       {VIDIOC_S_CTRL, "S_CTRL"},
       {VIDIOC_G_EXT_CTRLS, "G_EXT_CTRLS"},
-      {VIDIOC_S_EXT_CTRLS, "S_EXT_CTRLS"}};
+      {VIDIOC_S_EXT_CTRLS, "S_EXT_CTRLS"},
+      {VIDIOC_TRY_EXT_CTRLS, "TRY_EXT_CTRLS"},
+      {VIDIOC_ENUMINPUT, "ENUMINPUT"},
+      {VIDIOC_G_INPUT, "G_INPUT"},
+      {VIDIOC_S_INPUT, "S_INPUT"}};
   const auto found = kNames.find(request);
   return found == kNames.end() ? "" : found->second;
 }
@@ -177,7 +182,10 @@ int Emulator::Ioctl(EmulatedFile* file, int fd, unsigned long request, void* arg
   if (device == nullptr) return ENODEV;
   if (device->kind == Device::Kind::kNull) return ENOTTY;
   request &= UINT32_MAX;
-  if (const int error = Failure(*device, CallName(request)); error != 0) return error;
+  const std::string name = CallName(request);
+  if (name.empty()) return ENOTTY;
+  if (argument == nullptr) return EFAULT;
+  if (const int error = Failure(*device, name); error != 0) return error;
   return file->Ioctl(*device, fd, request, argument);
 }
 

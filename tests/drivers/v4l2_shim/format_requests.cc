@@ -12,6 +12,30 @@
 namespace vantage::v4l2_shim {
 namespace {
 
+// The kernel's words.
+const char* TitleOf(uint32_t fourcc) {
+  switch (fourcc) {
+    case V4L2_PIX_FMT_YUYV:
+      return "YUYV 4:2:2";
+    case V4L2_PIX_FMT_UYVY:
+      return "UYVY 4:2:2";
+    case V4L2_PIX_FMT_GREY:
+      return "8-bit Greyscale";
+    case V4L2_PIX_FMT_SGRBG8:
+      return "8-bit Bayer GRGR/BGBG";
+    case V4L2_PIX_FMT_Y16:
+      return "16-bit Greyscale";
+    case V4L2_PIX_FMT_Z16:
+      return "16-bit Depth";
+    case V4L2_PIX_FMT_Y10BPACK:
+      return "10-bit Greyscale (Packed)";
+    case V4L2_PIX_FMT_MJPEG:
+      return "Motion-JPEG";
+    default:
+      return "Emulated";
+  }
+}
+
 // Each once, in the description's order.
 std::vector<uint32_t> FourCcs(const Device& device) {
   std::vector<uint32_t> codes;
@@ -84,9 +108,7 @@ int EnumerateFormats(const Device& device, v4l2_fmtdesc* format) {
   format->type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   format->pixelformat = codes[static_cast<size_t>(place)];
   if (format->pixelformat == V4L2_PIX_FMT_MJPEG) format->flags = V4L2_FMT_FLAG_COMPRESSED;
-  std::string text = "Emulated ";
-  for (int i = 0; i < 4; ++i) text += static_cast<char>(format->pixelformat >> 8 * i & 0xFF);
-  SetText(device, text, format->description);
+  SetText(device, TitleOf(format->pixelformat), format->description);
   return 0;
 }
 
