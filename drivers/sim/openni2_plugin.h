@@ -2,78 +2,28 @@
 
 #include <Driver/OniDriverAPI.h>
 
-#include <array>
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "common/result.h"
 #include "drivers/sim/fault_state.h"
-#include "drivers/sim/openni2_stream.h"
+#include "drivers/sim/openni2_sim_device.h"
 #include "drivers/sim/sim_camera.h"
 
 namespace vantage {
 
-/// Makes the camera that a plugin offers; nothing when there is none to offer.
-using SimDeviceFactory = std::function<Result<std::optional<SimDeviceSetup>>()>;
+/// Makes the cameras that a plugin offers, each with a serial of its own.
+using SimDeviceFactory = std::function<Result<std::vector<SimDeviceSetup>>()>;
 
-/// One opening of the simulated camera. While a stream is started a thread of its own takes images
-/// at 30 fps; who reads too slowly misses frames.
-class SimDevice : public oni::driver::DeviceBase {
- public:
-  /// `setup` must outlive this. `plugged_in`: start of the device's clock.
-  SimDevice(const SimDeviceSetup& setup,
-            std::chrono::steady_clock::time_point plugged_in,
-            std::function<bool()> stalled,
-            std::function<bool()> take_short_frame);
-  ~SimDevice() override;
-  SimDevice(const SimDevice&) = delete;
-  SimDevice& operator=(const SimDevice&) = delete;
-
-  OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override;
-  oni::driver::StreamBase* createStream(OniSensorType sensor) override;
-  void destroyStream(oni::driver::StreamBase* stream) override;
-  OniStatus getProperty(int property, void* data, int* size) override;
-  OniStatus setProperty(int property, const void* data, int size) override;
-  OniBool isPropertySupported(int property) override;
-  OniBool isImageRegistrationModeSupported(OniImageRegistrationMode mode) override;
-
-  /// The device is gone: no more frames, for good.
-  void Unplug() { thread_.request_stop(); }
-
- private:
-  void Run(const std::stop_token& stop);
-  [[nodiscard]] bool AnyStarted() const;
-  void TakeImages(const Pose& T_world_camera,
-                  int64_t index,
-                  std::chrono::steady_clock::duration at);
-
-  const SimDeviceSetup& setup_;
-  const std::chrono::steady_clock::time_point plugged_in_;
-  const std::function<bool()> stalled_;
-  const std::function<bool()> take_short_frame_;
-  std::array<OniVideoMode, 2> depth_modes_;
-  std::array<OniVideoMode, 2> color_modes_;
-  std::array<OniSensorInfo, 2> sensors_;
-  SimCamera camera_;  // Of the thread.
-  std::mutex mutex_;  // Guards streams_ and registration_.
-  std::condition_variable_any stream_started_;
-  std::vector<std::shared_ptr<SimStream>> streams_;  // Shared with an image under way.
-  OniImageRegistrationMode registration_ = ONI_IMAGE_REGISTRATION_OFF;
-  std::jthread thread_;
-};
-
-/// The driver that OpenNI2 loads: offers one simulated camera, and unplugs and plugs it on command.
+/// The driver that OpenNI2 loads: offers simulated cameras, and unplugs and plugs them on command.
 class SimDriver : public oni::driver::DriverBase {
  public:
-  SimDriver(OniDriverServices* services, SimDeviceFactory make_device);
+  SimDriver(OniDriverServices* services, SimDeviceFactory make_devices);
   ~SimDriver() override;
   SimDriver(const SimDriver&) = delete;
   SimDriver& operator=(const SimDriver&) = delete;
@@ -85,21 +35,33 @@ class SimDriver : public oni::driver::DriverBase {
   oni::driver::DeviceBase* deviceOpen(const char* uri, const char* mode) override;
   void deviceClose(oni::driver::DeviceBase* device) override;
   OniStatus tryDevice(const char* uri) override;
+  void* enableFrameSync(oni::driver::StreamBase** streams, int count) override;
   void shutdown() override;
 
  private:
+  // A camera that is or was plugged in.
+  struct Port {
+    SimDeviceSetup setup;
+    OniDeviceInfo info{};
+    FaultState faults;
+    bool plugged = false;
+    std::chrono::steady_clock::time_point plugged_in;
+  };
+  struct Opened {
+    SimDevice* device = nullptr;
+    Port* port = nullptr;
+    int lock = -1;  // Descriptor of what keeps other programs off; -1: nothing does.
+  };
+
   [[nodiscard]] double Now() const;
   void WatchFaults(const std::stop_token& stop);
-  void UpdatePlugged();
+  void UpdatePlugged(Port& port);
+  Port* FindPort(const char* uri);
 
-  SimDeviceFactory make_device_;
-  std::optional<SimDeviceSetup> setup_;
-  OniDeviceInfo info_{};
-  std::mutex mutex_;  // Guards what follows.
-  FaultState faults_;
-  bool plugged_ = false;
-  std::chrono::steady_clock::time_point plugged_in_;
-  std::set<SimDevice*> open_;
+  SimDeviceFactory make_devices_;
+  std::vector<std::unique_ptr<Port>> ports_;
+  std::mutex mutex_;  // Guards the ports' states and what follows.
+  std::vector<Opened> open_;
   std::jthread watcher_;
 };
 

@@ -23,18 +23,51 @@ float FieldOfView(int pixels, double focal_length) {
 
 }  // namespace
 
-std::array<OniVideoMode, 2> SimVideoModes(OniSensorType sensor, const CameraModel& camera) {
-  const OniPixelFormat format =
-      sensor == ONI_SENSOR_DEPTH ? ONI_PIXEL_FORMAT_DEPTH_1_MM : ONI_PIXEL_FORMAT_RGB888;
-  return {OniVideoMode{format, camera.width, camera.height, kFps},
-          OniVideoMode{format, camera.width / 2, camera.height / 2, kFps}};
+std::vector<OniVideoMode> SimVideoModes(OniSensorType sensor,
+                                        const CameraModel& camera,
+                                        const SimAbilities& abilities) {
+  OniPixelFormat format = ONI_PIXEL_FORMAT_GRAY16;
+  if (sensor == ONI_SENSOR_DEPTH) {
+    format = abilities.fine_depth ? ONI_PIXEL_FORMAT_DEPTH_100_UM : ONI_PIXEL_FORMAT_DEPTH_1_MM;
+  } else if (sensor == ONI_SENSOR_COLOR) {
+    format = abilities.gray_color ? ONI_PIXEL_FORMAT_GRAY8 : ONI_PIXEL_FORMAT_RGB888;
+  }
+  std::vector<OniVideoMode> modes = {{format, camera.width, camera.height, kFps}};
+  if (sensor != ONI_SENSOR_COLOR || !abilities.full_color_only) {
+    modes.push_back({format, camera.width / 2, camera.height / 2, kFps});
+  }
+  return modes;
 }
 
-SimStream::SimStream(OniSensorType sensor, const CameraModel& camera, std::function<void()> started)
+SimStream::SimStream(OniSensorType sensor,
+                     const CameraModel& camera,
+                     const SimAbilities& abilities,
+                     std::function<void()> started)
     : sensor_(sensor),
       camera_(camera),
+      abilities_(abilities),
       on_start_(std::move(started)),
-      mode_(SimVideoModes(sensor, camera)[0]) {}
+      mode_(SimVideoModes(sensor, camera, abilities)[0]),
+      mirroring_(CannotStopMirroring() || abilities.mirroring == SimAbilities::Mirroring::kOn
+                     ? TRUE
+                     : FALSE) {}
+
+bool SimStream::CannotStopMirroring() const {
+  return abilities_.mirroring == SimAbilities::Mirroring::kAlways ||
+         (abilities_.mirroring == SimAbilities::Mirroring::kAlwaysDepth &&
+          sensor_ == ONI_SENSOR_DEPTH);
+}
+
+int SimStream::BytesPerPixel() const {
+  switch (mode_.pixelFormat) {
+    case ONI_PIXEL_FORMAT_RGB888:
+      return 3;
+    case ONI_PIXEL_FORMAT_GRAY8:
+      return 1;
+    default:
+      return 2;
+  }
+}
 
 OniStatus SimStream::start() {
   started_ = true;
@@ -81,7 +114,9 @@ OniStatus SimStream::setProperty(int property, const void* data, int size) {
     case ONI_STREAM_PROPERTY_VIDEO_MODE:
       return TakeProperty(data, size, &mode) ? SetVideoMode(mode) : ONI_STATUS_BAD_PARAMETER;
     case ONI_STREAM_PROPERTY_MIRRORING:
-      return TakeProperty(data, size, &mirroring_) ? ONI_STATUS_OK : ONI_STATUS_BAD_PARAMETER;
+      if (!TakeProperty(data, size, &mirroring_)) return ONI_STATUS_BAD_PARAMETER;
+      if (CannotStopMirroring()) mirroring_ = TRUE;
+      return ONI_STATUS_OK;
     default:
       return ONI_STATUS_NOT_SUPPORTED;
   }
@@ -106,7 +141,7 @@ OniStatus SimStream::SetCropping(const OniCropping& cropping) {
 
 OniStatus SimStream::SetVideoMode(const OniVideoMode& mode) {
   if (started_) return ONI_STATUS_OUT_OF_FLOW;
-  for (const OniVideoMode& supported : SimVideoModes(sensor_, camera_)) {
+  for (const OniVideoMode& supported : SimVideoModes(sensor_, camera_, abilities_)) {
     if (!SameMode(mode, supported)) continue;
     mode_ = supported;
     cropping_ = {};
@@ -121,7 +156,7 @@ int SimStream::width() {
 }
 
 void SimStream::Deliver(
-    const void* pixels, size_t bytes, uint64_t timestamp, int index, bool is_short) {
+    const void* pixels, size_t bytes, uint64_t timestamp, int index, const SimFrameFaults& faults) {
   const std::lock_guard delivering(delivering_);
   if (!started_) return;
   OniFrame* frame = getServices().acquireFrame();
@@ -129,10 +164,28 @@ void SimStream::Deliver(
   frame->timestamp = timestamp;
   frame->frameIndex = index;
   if (FillFrame(static_cast<const uint8_t*>(pixels), bytes, frame)) {
-    if (is_short) frame->dataSize /= 2;
+    Spoil(faults, frame);
     raiseNewFrame(frame);
   }
   getServices().releaseFrame(frame);
+}
+
+void SimStream::Spoil(const SimFrameFaults& faults, OniFrame* frame) {
+  if (faults.is_short) frame->dataSize /= 2;
+  if (faults.has_no_data) {
+    withheld_.emplace_back(std::exchange(frame->data, nullptr), &std::free);
+    frame->dataSize = 0;
+  }
+  if (faults.is_resized) {
+    frame->width /= 2;
+    frame->stride /= 2;
+    frame->dataSize /= 2;
+  }
+  if (faults.is_absurd) {
+    frame->width = INT32_MAX;
+    frame->height = -1;
+    frame->stride = INT32_MIN;
+  }
 }
 
 bool SimStream::FillFrame(const uint8_t* pixels, size_t bytes, OniFrame* frame) {

@@ -2,24 +2,40 @@
 
 #include <Driver/OniDriverAPI.h>
 
-#include <array>
 #include <atomic>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
+#include <memory>
 #include <mutex>
+#include <vector>
 
 #include "common/camera_model.h"
+#include "drivers/sim/openni2_abilities.h"
 
 namespace vantage {
 
 /// The video modes of a sensor: full and half resolution at 30 fps.
-std::array<OniVideoMode, 2> SimVideoModes(OniSensorType sensor, const CameraModel& camera);
+std::vector<OniVideoMode> SimVideoModes(OniSensorType sensor,
+                                        const CameraModel& camera,
+                                        const SimAbilities& abilities);
+
+/// What is wrong with a frame.
+struct SimFrameFaults {
+  bool is_short = false;     ///< only the first half of the bytes
+  bool has_no_data = false;  ///< no bytes at all
+  bool is_resized = false;   ///< half the width
+  bool is_absurd = false;    ///< claims sizes that no image has
+};
 
 /// One image stream of the simulated device, as OpenNI2 sees it.
 class SimStream : public oni::driver::StreamBase {
  public:
   /// @param started called after the stream starts.
-  SimStream(OniSensorType sensor, const CameraModel& camera, std::function<void()> started);
+  SimStream(OniSensorType sensor,
+            const CameraModel& camera,
+            const SimAbilities& abilities,
+            std::function<void()> started);
 
   OniStatus start() override;
   void stop() override;
@@ -34,18 +50,24 @@ class SimStream : public oni::driver::StreamBase {
   /// Hands a whole image of the video mode to OpenNI2, cropped and mirrored as was asked.
   /// @param pixels width * height pixels; `bytes` of them altogether.
   /// @param timestamp us since the device's start.
-  /// @param is_short delivers only the first half of the bytes.
-  void Deliver(const void* pixels, size_t bytes, uint64_t timestamp, int index, bool is_short);
+  void Deliver(const void* pixels,
+               size_t bytes,
+               uint64_t timestamp,
+               int index,
+               const SimFrameFaults& faults);
 
  private:
   OniStatus SetCropping(const OniCropping& cropping);
   OniStatus SetVideoMode(const OniVideoMode& mode);
-  [[nodiscard]] int BytesPerPixel() const { return sensor_ == ONI_SENSOR_DEPTH ? 2 : 3; }
+  [[nodiscard]] int BytesPerPixel() const;
+  [[nodiscard]] bool CannotStopMirroring() const;
   bool FillFrame(const uint8_t* pixels, size_t bytes, OniFrame* frame);
+  void Spoil(const SimFrameFaults& faults, OniFrame* frame);
   void CopyPixels(const uint8_t* pixels, const OniFrame& frame) const;
 
   const OniSensorType sensor_;
   const CameraModel camera_;
+  const SimAbilities abilities_;
   const std::function<void()> on_start_;
   std::atomic<bool> started_ = false;
   // Held while a frame is handed over, so that none comes after stop(); whoever hears of the frame
@@ -54,7 +76,9 @@ class SimStream : public oni::driver::StreamBase {
   std::mutex mutex_;  // Guards what follows.
   OniVideoMode mode_;
   OniCropping cropping_{};
-  OniBool mirroring_ = FALSE;
+  OniBool mirroring_;
+  // Pixels of frames that went out without them; OpenNI2 would have freed them with the frames.
+  std::vector<std::unique_ptr<void, decltype(&std::free)>> withheld_;
 };
 
 }  // namespace vantage

@@ -11,6 +11,7 @@
 #include "common/so3.h"
 #include "drivers/sim/board_painter.h"
 #include "drivers/sim/fault_state.h"
+#include "drivers/sim/openni2_abilities.h"
 #include "drivers/sim/scene.h"
 #include "drivers/sim/sensor_model.h"
 
@@ -25,6 +26,8 @@ class SimDeviceSource {
   virtual std::optional<Pose> CameraPose() = 0;
   /// Faults that came since the last call, oldest first.
   virtual std::vector<SimFault> TakeFaults() = 0;
+  /// What the device can do; asked whenever it is opened.
+  virtual SimAbilities Abilities() { return {}; }
 };
 
 /// One simulated camera.

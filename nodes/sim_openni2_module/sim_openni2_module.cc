@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include "drivers/sim/openni2_plugin.h"
 #include "nodes/sim_config.h"
@@ -21,9 +21,10 @@ std::filesystem::path ConfigFile() {
   return std::filesystem::path(folder == nullptr ? "" : folder) / file;
 }
 
-Result<std::optional<SimDeviceSetup>> DeviceFromEnvironment() {
+Result<std::vector<SimDeviceSetup>> DevicesFromEnvironment() {
   const std::filesystem::path file = ConfigFile();
-  if (file.empty()) return std::optional<SimDeviceSetup>();
+  std::vector<SimDeviceSetup> devices;
+  if (file.empty()) return devices;
   Result<ConfigReader> config = ConfigReader::Open(file);
   if (!config) return config.error();
   LiveBus::Options options;
@@ -41,18 +42,19 @@ Result<std::optional<SimDeviceSetup>> DeviceFromEnvironment() {
   Result<std::unique_ptr<BusSource>> source = BusSource::Create(
       options, SimCameraPoseChannel(sim->camera_name, sim->hand.has_value()), sim->serial);
   if (!source) return source.error();
-  SimDeviceSetup setup;
+  SimDeviceSetup& setup = devices.emplace_back();
   setup.serial = sim->serial;
   setup.camera = sim->camera;
   setup.scene = std::move(sim->scene);
   setup.sensor = sim->sensor;
   setup.source = std::move(*source);
-  return std::optional<SimDeviceSetup>(std::move(setup));
+  return devices;
 }
 
 class ModuleDriver : public SimDriver {
  public:
-  explicit ModuleDriver(OniDriverServices* services) : SimDriver(services, DeviceFromEnvironment) {}
+  explicit ModuleDriver(OniDriverServices* services)
+      : SimDriver(services, DevicesFromEnvironment) {}
 };
 
 }  // namespace

@@ -13,7 +13,7 @@ TEST(FaultState, NothingIsWrongAtFirst) {
   FaultState faults;
   EXPECT_TRUE(faults.Plugged(0.0));
   EXPECT_FALSE(faults.Stalled(0.0));
-  EXPECT_FALSE(faults.TakeShortFrame(0.0));
+  EXPECT_FALSE(faults.TakeFrame(Kind::kShortFrame, 0.0));
 }
 
 TEST(FaultState, FaultsEndAfterTheirDuration) {
@@ -25,9 +25,9 @@ TEST(FaultState, FaultsEndAfterTheirDuration) {
   EXPECT_TRUE(faults.Plugged(12.0));
   EXPECT_TRUE(faults.Stalled(12.9));
   EXPECT_FALSE(faults.Stalled(13.0));
-  EXPECT_TRUE(faults.TakeShortFrame(10.5));
-  EXPECT_TRUE(faults.TakeShortFrame(10.9));
-  EXPECT_FALSE(faults.TakeShortFrame(11.0));
+  EXPECT_TRUE(faults.TakeFrame(Kind::kShortFrame, 10.5));
+  EXPECT_TRUE(faults.TakeFrame(Kind::kShortFrame, 10.9));
+  EXPECT_FALSE(faults.TakeFrame(Kind::kShortFrame, 11.0));
 }
 
 TEST(FaultState, WithoutADurationTheyLastUntilReplug) {
@@ -43,13 +43,29 @@ TEST(FaultState, WithoutADurationTheyLastUntilReplug) {
   }
 }
 
+TEST(FaultState, FaultsOfColorLastFaultsOfFramesAreUsedUp) {
+  FaultState faults;
+  for (const Kind kind : {Kind::kColorStop, Kind::kColorHalfRate, Kind::kColorLate}) {
+    faults.Apply({kind, 0.0}, 10.0);
+    EXPECT_TRUE(faults.TakeFrame(kind, 11.0));
+    EXPECT_TRUE(faults.TakeFrame(kind, 1e9));
+  }
+  for (const Kind kind : {Kind::kNoData, Kind::kResized, Kind::kAbsurdSize, Kind::kStampBack}) {
+    faults.Apply({kind, 0.0}, 10.0);
+    EXPECT_TRUE(faults.TakeFrame(kind, 11.0));
+    EXPECT_FALSE(faults.TakeFrame(kind, 11.0));
+  }
+  faults.Apply({Kind::kReplug, 0.0}, 12.0);
+  EXPECT_FALSE(faults.TakeFrame(Kind::kColorStop, 12.0));
+}
+
 TEST(FaultState, EachShortFrameIsOneFrame) {
   FaultState faults;
   faults.Apply({Kind::kShortFrame, 0.0}, 10.0);
   faults.Apply({Kind::kShortFrame, 0.0}, 10.0);
-  EXPECT_TRUE(faults.TakeShortFrame(11.0));
-  EXPECT_TRUE(faults.TakeShortFrame(12.0));
-  EXPECT_FALSE(faults.TakeShortFrame(13.0));
+  EXPECT_TRUE(faults.TakeFrame(Kind::kShortFrame, 11.0));
+  EXPECT_TRUE(faults.TakeFrame(Kind::kShortFrame, 12.0));
+  EXPECT_FALSE(faults.TakeFrame(Kind::kShortFrame, 13.0));
 }
 
 }  // namespace

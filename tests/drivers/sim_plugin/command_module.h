@@ -9,6 +9,7 @@ namespace vantage {
 // What the test and the plugin must agree on; the test calls sim_test_* through dlsym:
 //   void sim_test_set_pose(double azimuth, double elevation, double radius);  // rad, rad, m
 //   void sim_test_fault(int kind, double duration);                           // SimFault, s
+//   void sim_test_abilities(const SimAbilities* abilities);                   // at next opening
 inline constexpr char kTestSerial[] = "TEST0001";
 inline const Eigen::Vector3d kTestTarget(0.02, -0.01, 0.05);
 
