@@ -1,13 +1,17 @@
 #include "common/depth_codec/depth_encoder.h"
 
+#include <algorithm>
+#include <cstring>
+
 #include "common/check.h"
 #include "common/depth_codec/crc32c.h"
-#include "common/depth_codec/depth_payload.h"
 
 namespace vantage {
 namespace {
 
-void Store(uint32_t value, size_t bytes, uint8_t* out) {
+constexpr size_t kSampledRows = 32;  // At least so many rows of a band are counted.
+
+void Store(size_t value, size_t bytes, uint8_t* out) {
   for (size_t i = 0; i < bytes; ++i) out[i] = static_cast<uint8_t>(value >> (8 * i));
 }
 
@@ -26,14 +30,131 @@ void DepthEncoder::Encode(int width,
   VANTAGE_CHECK(width > 0 && height > 0 && width <= kMaxDepthSide && height <= kMaxDepthSide &&
                     depth.size() == static_cast<size_t>(width) * static_cast<size_t>(height),
                 "a depth image has width * height values");
-  payload->resize(kDepthHeaderBytes + 2 * depth.size());
-  uint8_t* out = payload->data();
-  Store(kDepthMagic, 4, out);
-  Store(static_cast<uint32_t>(width), 2, out + 8);
-  Store(static_cast<uint32_t>(height), 2, out + 10);
-  Store(static_cast<uint32_t>(DepthMode::kStored), 1, out + 12);
-  for (size_t i = 0; i < depth.size(); ++i) Store(depth[i], 2, out + kDepthHeaderBytes + 2 * i);
-  Store(Crc32c(std::span(*payload).subspan(8)), 4, out + 4);
+  const DepthLayout layout(width, height);
+  const size_t stored_bytes = kDepthHeaderBytes + 2 * depth.size();
+  payload->resize(kDepthHeaderBytes);
+  palette_.Build(depth);
+  Tokenize(layout, depth);
+  CountSymbols(layout);
+  AppendTables(payload);
+  DepthMode mode = DepthMode::kCoded;
+  if (!AppendWords(layout, payload) || payload->size() >= stored_bytes) {
+    mode = DepthMode::kStored;
+    payload->resize(stored_bytes);
+    std::memcpy(payload->data() + kDepthHeaderBytes, depth.data(), 2 * depth.size());
+  }
+  uint8_t* header = payload->data();
+  Store(kDepthMagic, 4, header);
+  Store(layout.width, 2, header + 8);
+  Store(layout.height, 2, header + 10);
+  Store(static_cast<size_t>(mode), 1, header + 12);
+  Store(Crc32c(std::span(*payload).subspan(8)), 4, header + 4);
+}
+
+void DepthEncoder::Tokenize(const DepthLayout& layout, std::span<const uint16_t> depth) {
+  ranks_.assign(DepthLayout::kStrips * layout.columns, 0);
+  const size_t row_size = DepthLayout::kLanes * layout.columns;
+  tokens_.resize(layout.rows * row_size);
+  for (size_t band = 0; band < DepthLayout::kBands; ++band) {
+    rows_[band].Reset(layout.columns);
+    escapes_[band].resize(layout.rows * ranks_.size());
+    num_escapes_[band] = 0;
+  }
+  TokenizeTask task{};
+  task.columns = layout.columns;
+  task.ranks = ranks_.data();
+  for (size_t row = 0; row < layout.rows; ++row) {
+    for (size_t band = 0; band < layout.BandsOf(row); ++band) {
+      TakeRanks(layout, depth.data() + (row + band * layout.rows) * layout.width);
+      task.above = rows_[band].above();
+      task.row = rows_[band].row();
+      task.tokens = tokens_.data() + row * row_size + DepthLayout::kStrips * band;
+      task.escapes = escapes_[band].data();
+      task.num_escapes = num_escapes_[band];
+      kernels_.tokenize(&task);
+      num_escapes_[band] = task.num_escapes;
+      rows_[band].Advance();
+    }
+  }
+}
+
+// Ranks of a row of the image, strip beside strip.
+void DepthEncoder::TakeRanks(const DepthLayout& layout, const uint16_t* depth) {
+  const uint16_t* ranks = palette_.ranks();
+  for (size_t strip = 0, u = 0; u < layout.width; ++strip) {
+    uint16_t* out = ranks_.data() + strip;
+    const size_t end = std::min(u + layout.columns, layout.width);
+    for (; u < end; ++u, out += DepthLayout::kStrips) *out = ranks[depth[u]];
+  }
+}
+
+// Of images with many rows every n-th stands for its neighbours.
+void DepthEncoder::CountSymbols(const DepthLayout& layout) {
+  const size_t step = std::max<size_t>(1, layout.rows / kSampledRows / 2);
+  const size_t row_size = DepthLayout::kLanes * layout.columns;
+  uint32_t counts[2][SymbolTable::kEntries] = {};
+  for (size_t row = 0; row < layout.rows; row += step) {
+    const uint8_t* tokens = tokens_.data() + row * row_size;
+    const size_t lanes = DepthLayout::kStrips * layout.BandsOf(row);
+    for (size_t column = 0; column < layout.columns; ++column, tokens += DepthLayout::kLanes) {
+      for (size_t lane = 0; lane < lanes; lane += 2) {
+        ++counts[0][tokens[lane]];
+        ++counts[1][tokens[lane + 1]];
+      }
+    }
+  }
+  for (size_t i = 0; i < SymbolTable::kEntries; ++i) {
+    counts_[i % kDepthContexts][i / kDepthContexts] = counts[0][i] + counts[1][i];
+  }
+}
+
+void DepthEncoder::AppendTables(std::vector<uint8_t>* payload) {
+  palette_.Append(payload);
+  for (size_t context = 0; context < kDepthContexts; ++context) {
+    uint16_t frequencies[kDepthSymbols];
+    NormalizeFrequencies(counts_[context], frequencies);
+    table_.SetContext(context, frequencies);
+    AppendFrequencies(frequencies, payload);
+  }
+  uint32_t buckets[kDepthBuckets] = {};
+  for (size_t band = 0; band < DepthLayout::kBands; ++band) {
+    for (const uint16_t escape : std::span(escapes_[band]).first(num_escapes_[band])) {
+      ++buckets[EscapeBucket(EscapeDistance(escape))];
+    }
+  }
+  uint16_t frequencies[kDepthBuckets];
+  NormalizeFrequencies(buckets, frequencies);
+  table_.SetBuckets(frequencies);
+  AppendFrequencies(frequencies, payload);
+}
+
+// False where the image would become larger than it is.
+bool DepthEncoder::AppendWords(const DepthLayout& layout, std::vector<uint8_t>* payload) {
+  const size_t row_size = DepthLayout::kLanes * layout.columns;
+  words_.resize((layout.rows + kWordsPerPixel) * row_size);
+  uint32_t states[DepthLayout::kLanes];
+  std::ranges::fill(states, kDepthStateLow);
+  uint16_t* const end = words_.data() + words_.size();
+  EncodeTask task{};
+  task.columns = layout.columns;
+  task.table = &table_;
+  for (size_t band = 0; band < DepthLayout::kBands; ++band) {
+    task.escapes[band] = escapes_[band].data() + num_escapes_[band];
+  }
+  task.states = states;
+  task.words = end;
+  for (size_t row = layout.rows; row-- > 0;) {
+    if (static_cast<size_t>(task.words - words_.data()) < kWordsPerPixel * row_size) return false;
+    task.bands = layout.BandsOf(row);
+    task.tokens = tokens_.data() + row * row_size;
+    kernels_.encode(&task);
+  }
+  const auto num_words = static_cast<size_t>(end - task.words);
+  const size_t before = payload->size();
+  payload->resize(before + sizeof(states) + 2 * num_words);
+  std::memcpy(payload->data() + before, states, sizeof(states));
+  std::memcpy(payload->data() + before + sizeof(states), task.words, 2 * num_words);
+  return true;
 }
 
 }  // namespace vantage
