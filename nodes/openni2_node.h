@@ -12,12 +12,13 @@
 namespace vantage {
 
 /// vantage-openni2: a camera node on OpenNI2's devices.
-/// Errors: the config; a recording that is absent or none; OpenNI2 without drivers.
+/// Errors: the config; a recording that is absent or none; a file to record to that exists; OpenNI2
+/// without drivers.
 Result<std::unique_ptr<Node>> MakeOpenni2Node(Bus& bus,
                                               ConfigReader& config,
                                               const ProcessOptions& options);
 
-/// What `vantage-openni2 --list` prints: the devices that OpenNI2 finds, a line each.
+/// What `vantage-openni2 --list` prints: the devices that OpenNI2 finds and what they can do.
 /// Errors: OpenNI2 without drivers.
 Result<std::string> ListOpenni2Devices();
 

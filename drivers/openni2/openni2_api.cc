@@ -2,6 +2,7 @@
 
 #include <OpenNI.h>
 
+#include <filesystem>
 #include <utility>
 
 #include "common/format.h"
@@ -36,7 +37,12 @@ class Openni2Api::Listener : public openni::OpenNI::DeviceConnectedListener,
   DeviceEvents events;
 };
 
-Result<std::unique_ptr<Openni2Api>> Openni2Api::Create() {
+Result<std::unique_ptr<Openni2Api>> Openni2Api::Create(RecordTarget record) {
+  if (!record.file.empty()) {
+    // OpenNI2 changes the working folder while it loads its drivers.
+    record.file = std::filesystem::absolute(record.file);
+    if (Result<void> valid = record.Validate(); !valid) return valid.error();
+  }
   openni::OpenNI::setLogConsoleOutput(false);
   openni::OpenNI::setLogFileOutput(false);
   if (openni::OpenNI::initialize() != openni::STATUS_OK) {
@@ -46,10 +52,12 @@ Result<std::unique_ptr<Openni2Api>> Openni2Api::Create() {
                "libOpenNI2.so.0; `apt-get install --reinstall libopenni2-0` brings them back",
                openni::OpenNI::getExtendedError())};
   }
-  return std::unique_ptr<Openni2Api>(new Openni2Api(std::make_unique<Listener>()));
+  return std::unique_ptr<Openni2Api>(
+      new Openni2Api(std::make_unique<Listener>(), std::move(record)));
 }
 
-Openni2Api::Openni2Api(std::unique_ptr<Listener> listener) : listener_(std::move(listener)) {
+Openni2Api::Openni2Api(std::unique_ptr<Listener> listener, RecordTarget record)
+    : listener_(std::move(listener)), record_(std::move(record)) {
   listener_->Add();
 }
 
@@ -72,7 +80,23 @@ std::vector<DeviceListing> Openni2Api::List() {
 }
 
 Result<std::unique_ptr<CameraDevice>> Openni2Api::Open(const std::string& uri) {
-  return Openni2Device::Open(uri, listener_->events);
+  return Openni2Device::Open(uri, listener_->events, record_);
+}
+
+std::string Openni2Api::Describe() {
+  std::string text;
+  for (const DeviceListing& listing : List()) {
+    text += Format("uri:%s  %s\n", listing.uri.c_str(), listing.name.c_str());
+    const Result<std::unique_ptr<CameraDevice>> device = Open(listing.uri);
+    if (!device) {
+      text += "  " + device.error().message + "\n";
+      continue;
+    }
+    const std::string serial = (*device)->serial();
+    text += serial.empty() ? "  tells no serial\n" : "  serial:" + serial + "\n";
+    text += static_cast<Openni2Device&>(**device).Describe();
+  }
+  return text.empty() ? "no OpenNI2 device; " + search_hint() + "\n" : text;
 }
 
 bool Openni2Api::WaitForDevice(std::chrono::milliseconds timeout) {

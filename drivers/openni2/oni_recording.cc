@@ -1,0 +1,121 @@
+#include "drivers/openni2/oni_recording.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "common/format.h"
+
+namespace vantage {
+namespace {
+
+constexpr int kLowPriority = 10;    // nice
+constexpr int kCheckInterval = 15;  // images between looks at the disk
+
+int64_t FreeBytes(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(file.parent_path(), error);
+  return error ? INT64_MAX : static_cast<int64_t>(space.available);
+}
+
+int64_t FileSize(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  return error ? -1 : static_cast<int64_t>(size);
+}
+
+}  // namespace
+
+Result<void> RecordTarget::Validate() const {
+  const auto reject = [this](ErrorCode code, const char* what) {
+    return Error{code, Format("record_oni: %s %s", file.c_str(), what)};
+  };
+  std::error_code error;
+  if (file.extension() != ".oni") {
+    return reject(ErrorCode::kInvalidArgument, "has no ending .oni, expected one");
+  }
+  if (!std::filesystem::is_directory(file.parent_path(), error)) {
+    return reject(ErrorCode::kNotFound, "lies in a folder that is not there, expected one that is");
+  }
+  if (std::filesystem::exists(file, error)) {
+    return reject(ErrorCode::kInvalidArgument,
+                  "exists and is not overwritten, expected a new file");
+  }
+  return {};
+}
+
+std::filesystem::path RecordTarget::NextFile() {
+  std::error_code error;
+  while (true) {
+    ++num_files;
+    std::filesystem::path next = file;
+    if (num_files > 1) {
+      next.replace_filename(Format("%s-%d.oni", file.stem().c_str(), num_files));
+    }
+    if (!std::filesystem::exists(next, error)) return next;
+  }
+}
+
+Result<std::unique_ptr<OniRecording>> OniRecording::Open(const RecordTarget& target,
+                                                         const std::filesystem::path& file,
+                                                         openni::VideoStream& depth,
+                                                         openni::VideoStream& color) {
+  std::unique_ptr<OniRecording> recording(new OniRecording(file, target.min_free_bytes));
+  if (std::string trouble = recording->Trouble(); !trouble.empty()) {
+    return Error{ErrorCode::kIo, std::move(trouble)};
+  }
+  // The recorder's thread inherits the priority of the one that makes it.
+  openni::Status created = openni::STATUS_ERROR;
+  std::thread([&] {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowPriority);
+    created = recording->recorder_.create(file.c_str());
+  }).join();
+  if (created != openni::STATUS_OK || recording->recorder_.attach(depth) != openni::STATUS_OK ||
+      (color.isValid() && recording->recorder_.attach(color) != openni::STATUS_OK)) {
+    return Error{ErrorCode::kIo,
+                 Format("recording %s can't be written; expected a folder that this user may "
+                        "write to",
+                        file.c_str())};
+  }
+  return recording;
+}
+
+OniRecording::~OniRecording() {
+  recorder_.stop();
+  recorder_.destroy();
+}
+
+bool OniRecording::Begin() {
+  // The recorder has written what it knows of the streams when they were attached, and notes in the
+  // file that it begins.
+  const int64_t size = FileSize(file_);
+  has_begun_ = true;
+  if (recorder_.start() != openni::STATUS_OK) return false;
+  for (int i = 0; i < 50; ++i) {
+    if (FileSize(file_) > size) return true;
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+  return false;
+}
+
+std::string OniRecording::Trouble() {
+  if (num_images_++ % kCheckInterval != 0) return {};
+  const int64_t free = FreeBytes(file_);
+  if (free >= min_free_bytes_) return {};
+  return Format("recording to %s has ended: %lld MB are free on its disk, expected %lld",
+                file_.c_str(),
+                static_cast<long long>(free >> 20),
+                static_cast<long long>(min_free_bytes_ >> 20));
+}
+
+void OniRecording::Discard() {
+  recorder_.stop();
+  recorder_.destroy();
+  std::error_code error;
+  std::filesystem::remove(file_, error);
+}
+
+}  // namespace vantage
