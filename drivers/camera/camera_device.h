@@ -75,7 +75,9 @@ struct RawFrame {
   std::optional<RawImage> depth;
   std::optional<RawImage> color;
   int64_t index = -1;  ///< as the device counts its frames; a gap is a loss; -1: it does not count
-  std::string fault;   ///< of ReadResult::kBad: why, in one sentence
+  /// Of ReadResult::kBad: why, in one sentence. Of a good frame: what else is wrong by now, such as
+  /// a recording that had to end.
+  std::string fault;
 };
 
 /// An open device. One thread uses it.
