@@ -21,7 +21,7 @@ DriverProcess::DriverProcess(const std::string& config) {
   std::ofstream(config_file) << config;
   const std::string program =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / "vantage-v4l2";
-  const std::string name = "v4l2-" + std::to_string(number);
+  const std::string name = "driver-" + std::to_string(number);
   pid_ = fork();
   if (pid_ != 0) return;
   const int log = open(log_file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);

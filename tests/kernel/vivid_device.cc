@@ -70,6 +70,20 @@ void VividDevice::TakeStream() {
   Check(ioctl(file_, VIDIOC_REQBUFS, &request), "allocating buffers");
 }
 
+std::vector<uint8_t> VividDevice::ReadFrame(uint32_t pixel_format, int width, int height) {
+  v4l2_format format{};
+  format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  format.fmt.pix.width = static_cast<uint32_t>(width);
+  format.fmt.pix.height = static_cast<uint32_t>(height);
+  format.fmt.pix.pixelformat = pixel_format;
+  Check(ioctl(file_, VIDIOC_S_FMT, &format), "setting the format");
+  std::vector<uint8_t> frame(format.fmt.pix.sizeimage);
+  const ssize_t size = read(file_, frame.data(), frame.size());
+  Check(static_cast<int>(size), "reading a frame");
+  frame.resize(static_cast<size_t>(size));
+  return frame;
+}
+
 std::string VividDevice::bus() const {
   v4l2_capability capability{};
   Check(ioctl(file_, VIDIOC_QUERYCAP, &capability), "asking for capabilities");

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace vantage {
 
@@ -21,6 +22,8 @@ class VividDevice {
   void Reset();
   /// Allocates buffers: now nobody else can stream.
   void TakeStream();
+  /// One frame as the device gives it, of a format V4L2_PIX_FMT_... and a size in px.
+  std::vector<uint8_t> ReadFrame(uint32_t pixel_format, int width, int height);
   /// "platform:vivid-000"
   [[nodiscard]] std::string bus() const;
 
