@@ -143,11 +143,20 @@ bool DepthDecoder::DecodeRows(const DepthLayout& layout,
          std::ranges::all_of(states_, [](uint32_t state) { return state == kDepthStateLow; });
 }
 
+// Four columns at a time, one store for all four.
 void DepthDecoder::PutRow(const DepthLayout& layout, const uint16_t* ranks, uint16_t* depth) const {
   const uint16_t* values = palette_.values();
+  constexpr size_t kTogether = 4;
   for (size_t strip = 0, u = 0; u < layout.width; ++strip) {
     const uint16_t* in = ranks + strip;
     const size_t end = std::min(u + layout.columns, layout.width);
+    for (; u + kTogether <= end; u += kTogether) {
+      uint64_t four = 0;
+      for (size_t i = 0; i < kTogether; ++i, in += DepthLayout::kStrips) {
+        four |= uint64_t{values[*in]} << (16 * i);
+      }
+      std::memcpy(depth + u, &four, sizeof(four));
+    }
     for (; u < end; ++u, in += DepthLayout::kStrips) depth[u] = values[*in];
   }
 }

@@ -9,7 +9,8 @@
 namespace vantage {
 namespace {
 
-constexpr size_t kSampledRows = 32;  // At least so many rows of a band are counted.
+constexpr size_t kSampledRows = 32;     // At least so many rows of a band are counted.
+constexpr int kLargestPaletteAge = 64;  // images
 
 void Store(size_t value, size_t bytes, uint8_t* out) {
   for (size_t i = 0; i < bytes; ++i) out[i] = static_cast<uint8_t>(value >> (8 * i));
@@ -33,8 +34,7 @@ void DepthEncoder::Encode(int width,
   const DepthLayout layout(width, height);
   const size_t stored_bytes = kDepthHeaderBytes + 2 * depth.size();
   payload->resize(kDepthHeaderBytes);
-  palette_.Build(depth);
-  Tokenize(layout, depth);
+  FindTokens(layout, depth);
   CountSymbols(layout);
   AppendTables(payload);
   DepthMode mode = DepthMode::kCoded;
@@ -51,7 +51,20 @@ void DepthEncoder::Encode(int width,
   Store(Crc32c(std::span(*payload).subspan(8)), 4, header + 4);
 }
 
-void DepthEncoder::Tokenize(const DepthLayout& layout, std::span<const uint16_t> depth) {
+// A palette that covers the last images mostly covers this one, and its other values cost little.
+void DepthEncoder::FindTokens(const DepthLayout& layout, std::span<const uint16_t> depth) {
+  if (palette_age_++ == kLargestPaletteAge) {
+    palette_.Clear();
+    palette_age_ = 0;
+  }
+  if (!Tokenize(layout, depth)) {
+    palette_.Add(depth);
+    Tokenize(layout, depth);
+  }
+}
+
+// False at the first row with a value that the palette lacks.
+bool DepthEncoder::Tokenize(const DepthLayout& layout, std::span<const uint16_t> depth) {
   ranks_.assign(DepthLayout::kStrips * layout.columns, 0);
   const size_t row_size = DepthLayout::kLanes * layout.columns;
   tokens_.resize(layout.rows * row_size);
@@ -73,38 +86,55 @@ void DepthEncoder::Tokenize(const DepthLayout& layout, std::span<const uint16_t>
       task.num_escapes = num_escapes_[band];
       kernels_.tokenize(&task);
       num_escapes_[band] = task.num_escapes;
+      if (task.unknown && palette_.size() < DepthPalette::kUnknown) return false;
       rows_[band].Advance();
     }
   }
+  return true;
 }
 
-// Ranks of a row of the image, strip beside strip.
+// Ranks of a row of the image, strip beside strip: four strips at a time, one store for all four.
 void DepthEncoder::TakeRanks(const DepthLayout& layout, const uint16_t* depth) {
   const uint16_t* ranks = palette_.ranks();
-  for (size_t strip = 0, u = 0; u < layout.width; ++strip) {
+  const size_t columns = layout.columns;
+  constexpr size_t kTogether = 4;
+  size_t strip = 0;
+  for (; (strip + kTogether) * columns <= layout.width; strip += kTogether) {
+    const uint16_t* first = depth + strip * columns;
     uint16_t* out = ranks_.data() + strip;
-    const size_t end = std::min(u + layout.columns, layout.width);
-    for (; u < end; ++u, out += DepthLayout::kStrips) *out = ranks[depth[u]];
+    for (size_t column = 0; column < columns; ++column, out += DepthLayout::kStrips) {
+      uint64_t four = 0;
+      for (size_t i = 0; i < kTogether; ++i) {
+        four |= uint64_t{ranks[first[i * columns + column]]} << (16 * i);
+      }
+      std::memcpy(out, &four, sizeof(four));
+    }
+  }
+  for (size_t u = strip * columns; u < layout.width; ++u) {
+    ranks_[u % columns * DepthLayout::kStrips + u / columns] = ranks[depth[u]];
   }
 }
 
-// Of images with many rows every n-th stands for its neighbours.
+// Of images with many rows every n-th stands for its neighbours. Four sets of counters, because
+// equal tokens that follow each other would wait for each other.
 void DepthEncoder::CountSymbols(const DepthLayout& layout) {
-  const size_t step = std::max<size_t>(1, layout.rows / kSampledRows / 2);
+  const size_t step = std::max<size_t>(1, layout.rows / kSampledRows);
   const size_t row_size = DepthLayout::kLanes * layout.columns;
-  uint32_t counts[2][SymbolTable::kEntries] = {};
+  constexpr size_t kSets = 4;
+  uint32_t counts[kSets][SymbolTable::kEntries] = {};
   for (size_t row = 0; row < layout.rows; row += step) {
     const uint8_t* tokens = tokens_.data() + row * row_size;
     const size_t lanes = DepthLayout::kStrips * layout.BandsOf(row);
     for (size_t column = 0; column < layout.columns; ++column, tokens += DepthLayout::kLanes) {
-      for (size_t lane = 0; lane < lanes; lane += 2) {
-        ++counts[0][tokens[lane]];
-        ++counts[1][tokens[lane + 1]];
+      for (size_t lane = 0; lane < lanes; lane += kSets) {
+        for (size_t set = 0; set < kSets; ++set) ++counts[set][tokens[lane + set]];
       }
     }
   }
   for (size_t i = 0; i < SymbolTable::kEntries; ++i) {
-    counts_[i % kDepthContexts][i / kDepthContexts] = counts[0][i] + counts[1][i];
+    uint32_t& count = counts_[i % kDepthContexts][i / kDepthContexts];
+    count = 0;
+    for (const auto& set : counts) count += set[i];
   }
 }
 

@@ -25,6 +25,7 @@ struct TokenizeTask {
   uint8_t* tokens;     ///< written: context + 16 * symbol, 32 for every column, 64 apart
   uint16_t* escapes;   ///< what lies beyond -2..2 is appended; room for columns x 32
   size_t num_escapes;  ///< in and out
+  bool unknown;        ///< set to true where a rank is 65535
 };
 
 /// A row of both bands, or of the upper one alone, on its way to words, last pixel first.

@@ -1,8 +1,8 @@
 #include "common/depth_codec/depth_palette.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
-#include <limits>
 #include <numeric>
 
 namespace vantage {
@@ -10,21 +10,24 @@ namespace {
 
 constexpr uint32_t kLargestRiceBits = 15;
 
+// Bits fill bytes from the lowest one on.
 class BitWriter {
  public:
   explicit BitWriter(std::vector<uint8_t>* bytes) : bytes_(bytes) {}
-  void Put(bool bit) {
-    if (free_ == 0) {
-      bytes_->push_back(0);
-      free_ = 8;
+  void Put(uint32_t bits, uint32_t count) {
+    waiting_ |= bits << num_waiting_;
+    for (num_waiting_ += count; num_waiting_ >= 8; num_waiting_ -= 8, waiting_ >>= 8U) {
+      bytes_->push_back(static_cast<uint8_t>(waiting_ & 0xffU));
     }
-    bytes_->back() = static_cast<uint8_t>(bytes_->back() | ((bit ? 1U : 0U) << (8 - free_)));
-    --free_;
+  }
+  void Finish() {
+    if (num_waiting_ > 0) bytes_->push_back(static_cast<uint8_t>(waiting_));
   }
 
  private:
   std::vector<uint8_t>* bytes_;
-  int free_ = 0;
+  uint32_t waiting_ = 0;
+  uint32_t num_waiting_ = 0;  // Below 8 between calls.
 };
 
 class BitReader {
@@ -56,13 +59,21 @@ uint32_t Load16(std::span<const uint8_t> bytes, size_t at) {
 }  // namespace
 
 DepthPalette::DepthPalette()
-    : present_(new uint8_t[kValues]()),
-      ranks_(new uint16_t[kValues]()),
-      values_(new uint16_t[kValues]()) {}
+    : present_(new uint8_t[kValues]),
+      ranks_(new uint16_t[kValues]),
+      values_(new uint16_t[kValues]()) {
+  Clear();
+}
 
-void DepthPalette::Build(std::span<const uint16_t> depth) {
+void DepthPalette::Clear() {
+  std::fill_n(present_.get(), kValues, uint8_t{0});
+  std::fill_n(ranks_.get(), kValues, kUnknown);
+  ranks_[0] = 0;
+  size_ = 0;
+}
+
+void DepthPalette::Add(std::span<const uint16_t> depth) {
   uint8_t* present = present_.get();
-  std::memset(present, 0, kValues);
   for (const uint16_t value : depth) present[value] = 1;
   present[0] = 0;
   size_ = 0;
@@ -90,25 +101,19 @@ void DepthPalette::Append(std::vector<uint8_t>* bytes) const {
   const auto step = [&](size_t i) {
     return static_cast<uint32_t>(values_[i] - values_[i - 1]) / factor - 1;
   };
-  uint32_t best_k = 0;
-  size_t best_bits = std::numeric_limits<size_t>::max();
-  for (uint32_t k = 0; k <= kLargestRiceBits; ++k) {
-    size_t bits = 0;
-    for (size_t i = 2; i <= size_; ++i) bits += (step(i) >> k) + 1 + k;
-    if (bits < best_bits) {
-      best_bits = bits;
-      best_k = k;
-    }
-  }
+  // Near the best k: 2^k about the mean.
+  const size_t span = static_cast<size_t>(values_[size_] - values_[1]) / factor;
+  const size_t mean = size_ > 1 ? span / (size_ - 1) - 1 : 0;
+  const auto k = static_cast<uint32_t>(mean == 0 ? 0 : std::bit_width(mean) - 1);
   Append16(factor, bytes);
-  bytes->push_back(static_cast<uint8_t>(best_k));
+  bytes->push_back(static_cast<uint8_t>(k));
   BitWriter writer(bytes);
   for (size_t i = 2; i <= size_; ++i) {
     const uint32_t number = step(i);
-    for (uint32_t ones = number >> best_k; ones > 0; --ones) writer.Put(true);
-    writer.Put(false);
-    for (uint32_t bit = 0; bit < best_k; ++bit) writer.Put(((number >> bit) & 1U) != 0);
+    for (uint32_t ones = number >> k; ones > 0; --ones) writer.Put(1, 1);
+    writer.Put((number & ((1U << k) - 1U)) << 1U, k + 1);
   }
+  writer.Finish();
 }
 
 bool DepthPalette::Read(std::span<const uint8_t>* bytes) {

@@ -9,17 +9,17 @@
 namespace vantage {
 namespace {
 
-// Of eight lanes: which of them a mask's bits gather to the front, and where it spreads the front
-// ones to.
+// Of eight lanes: how those of a mask are gathered at the end, and spread from the front.
 struct LanePermutations {
   constexpr LanePermutations() {
     for (uint32_t mask = 0; mask < 256; ++mask) {
       uint8_t next = 0;
       for (uint8_t lane = 0; lane < 8; ++lane) {
-        if (((mask >> lane) & 1U) == 0) continue;
-        gather[mask][next] = lane;
-        spread[mask][lane] = next;
-        ++next;
+        if (((mask >> lane) & 1U) != 0) spread[mask][lane] = next++;
+      }
+      next = 8;
+      for (uint8_t lane = 8; lane-- > 0;) {
+        if (((mask >> lane) & 1U) != 0) gather[mask][--next] = lane;
       }
     }
   }
@@ -242,10 +242,8 @@ class Avx2Lanes {
       const __m256i keep = _mm256_cmpgt_epi32(f, _mm256_srli_epi32(x, 32 - kDepthScaleBits));
       const auto full =
           static_cast<uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(keep))) ^ 0xffU;
+      StoreBack(_mm256_permutevar8x32_epi32(x, LoadPermutation(kPermutations.gather[full])), words);
       words -= __builtin_popcount(full);
-      StoreFront(_mm256_permutevar8x32_epi32(x, LoadPermutation(kPermutations.gather[full])),
-                 static_cast<uint32_t>(__builtin_popcount(full)),
-                 words);
       x = _mm256_blendv_epi8(_mm256_srli_epi32(x, 16), x, keep);
       const __m256 value = _mm256_add_ps(
           _mm256_mul_ps(_mm256_cvtepi32_ps(_mm256_srli_epi32(x, 16)), _mm256_set1_ps(65536.0F)),
@@ -262,47 +260,12 @@ class Avx2Lanes {
       return words;
     }
 
-    // The low words of the first `count` lanes, and nothing beyond them.
-    [[gnu::always_inline]] static void StoreFront(const __m256i& lanes,
-                                                  uint32_t count,
-                                                  uint16_t* words) {
-      const __m256i pairs = _mm256_shuffle_epi8(lanes,
-                                                _mm256_setr_epi8(0,
-                                                                 1,
-                                                                 4,
-                                                                 5,
-                                                                 8,
-                                                                 9,
-                                                                 12,
-                                                                 13,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 0,
-                                                                 1,
-                                                                 4,
-                                                                 5,
-                                                                 8,
-                                                                 9,
-                                                                 12,
-                                                                 13,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1,
-                                                                 -1));
-      const __m128i packed = _mm256_castsi256_si128(_mm256_permute4x64_epi64(pairs, 0x08));
-      alignas(16) uint16_t all[8];
-      _mm_store_si128(reinterpret_cast<__m128i*>(all), packed);
-      for (uint32_t i = 0; i < count; ++i) words[i] = all[i];
+    // The low words of all lanes before `words`. The first ones may be none that count: the next
+    // ones go over them.
+    [[gnu::always_inline]] static void StoreBack(const __m256i& lanes, uint16_t* words) {
+      const __m256i low = _mm256_and_si256(lanes, _mm256_set1_epi32(0xffff));
+      const __m256i packed = _mm256_permute4x64_epi64(_mm256_packus_epi32(low, low), 0x08);
+      _mm_storeu_si128(reinterpret_cast<__m128i*>(words - 8), _mm256_castsi256_si128(packed));
     }
 
     [[gnu::always_inline]] static __m256i DecodeHalf(const DecodeTable& table,

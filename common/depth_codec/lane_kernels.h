@@ -21,10 +21,12 @@ class LaneKernels {
     const Lanes lanes;
     Neighbors near;
     near.Begin(task->above);
+    Mask unknown = Lanes::FromBits(0);
     for (size_t column = 0; column < task->columns; ++column) {
       near.Advance(task->above, column);
       const Words rank = Lanes::Load(task->ranks + 32 * column);
       const Mask valid = Lanes::IsNotZero(rank);
+      unknown = Lanes::Or(unknown, Lanes::Equal(rank, Lanes::Fill(-1)));
       const Words predicted = near.Predicted();
       const Words context = near.Context(lanes);
       const Words residual = Lanes::Sub(rank, predicted);
@@ -39,6 +41,7 @@ class LaneKernels {
       if (far != 0) AppendEscapes(far, residual, task);
       near.Keep(Lanes::Select(valid, rank, predicted), valid, task->row, column);
     }
+    if (Lanes::Bits(unknown) != 0) task->unknown = true;
   }
 
   static void Encode(EncodeTask* task) {
@@ -145,6 +148,20 @@ class LaneKernels {
     }
   }
 
+  // Without branches, which would go either way by chance.
+  [[gnu::always_inline]] static uint32_t Emptied(uint32_t state, bool full, uint16_t** words) {
+    const uint32_t count = full ? 1 : 0;
+    (*words)[-1] = static_cast<uint16_t>(state & 0xffffU);
+    *words -= count;
+    return state >> (16U * count);
+  }
+  [[gnu::always_inline]] static uint32_t Refilled(uint32_t state, const uint16_t** words) {
+    const uint32_t count = state < kDepthStateLow ? 1 : 0;
+    const uint32_t refilled = (state << 16U) | **words;
+    *words += count;
+    return count != 0 ? refilled : state;
+  }
+
   [[gnu::noinline]] static void EncodeEscapes(uint32_t far,
                                               const SymbolTable& table,
                                               States* states,
@@ -157,25 +174,14 @@ class LaneKernels {
       far ^= 1U << static_cast<uint32_t>(lane);
       const uint32_t distance = EscapeDistance(*--*escapes);
       const uint32_t bucket = EscapeBucket(distance);
-      uint32_t state = x[lane];
-      if (uint64_t{state} >= (uint64_t{1} << (32U - bucket))) {
-        *--*words = static_cast<uint16_t>(state & 0xffffU);
-        state >>= 16U;
-      }
+      uint32_t state = Emptied(x[lane], uint64_t{x[lane]} >> (32U - bucket) != 0, words);
       state = (state << bucket) | (distance ^ (1U << bucket));
       const uint32_t frequency = table.bucket_frequency[bucket];
-      if ((state >> (32U - kDepthScaleBits)) >= frequency) {
-        *--*words = static_cast<uint16_t>(state & 0xffffU);
-        state >>= 16U;
-      }
+      state = Emptied(state, (state >> (32U - kDepthScaleBits)) >= frequency, words);
       x[lane] =
           ((state / frequency) << kDepthScaleBits) + state % frequency + table.bucket_start[bucket];
     }
     states->Load(x);
-  }
-
-  [[gnu::always_inline]] static uint32_t Refilled(uint32_t state, const uint16_t** words) {
-    return state < kDepthStateLow ? (state << 16U) | *(*words)++ : state;
   }
 
   // What lies beyond -2..2: the lanes `far`; above 2 those of `above`.
@@ -193,7 +199,7 @@ class LaneKernels {
       const int lane = __builtin_ctz(far);
       uint32_t state = x[lane];
       const uint32_t slot = state & (kDepthScale - 1);
-      uint32_t bucket = 0;
+      uint32_t bucket = table.bucket_of_slot[slot / SymbolTable::kSlotsTogether];
       while (slot >= table.bucket_start[bucket + 1]) ++bucket;
       state = table.bucket_frequency[bucket] * (state >> kDepthScaleBits) + slot -
               table.bucket_start[bucket];

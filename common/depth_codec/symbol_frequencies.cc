@@ -95,6 +95,11 @@ void SymbolTable::SetBuckets(std::span<const uint16_t> frequencies) {
     sum += frequencies[bucket];
   }
   bucket_start[kDepthBuckets] = static_cast<uint16_t>(sum);
+  uint8_t bucket = 0;
+  for (uint32_t i = 0; i < kDepthScale / kSlotsTogether; ++i) {
+    while (i * kSlotsTogether >= bucket_start[bucket + 1]) ++bucket;
+    bucket_of_slot[i] = bucket;
+  }
 }
 
 }  // namespace vantage

@@ -29,6 +29,9 @@ struct SymbolTable {
   /// Of what lies beyond -2..2.
   uint16_t bucket_frequency[kDepthBuckets];
   uint16_t bucket_start[kDepthBuckets + 1];
+  /// The first bucket of so many slots that follow each other.
+  static constexpr uint32_t kSlotsTogether = 64;
+  uint8_t bucket_of_slot[kDepthScale / kSlotsTogether];
 
   void SetContext(size_t context, std::span<const uint16_t> frequencies);
   void SetBuckets(std::span<const uint16_t> frequencies);
