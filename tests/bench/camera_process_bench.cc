@@ -158,10 +158,12 @@ Result<void> Run(const Arguments& arguments) {
   nlohmann::json arrived =
       Row(name + "/capture_to_arrival", 1e3 * Median(listener.arrival_s()), "ms");
   arrived["p99_ms"] = 1e3 * Quantile(listener.arrival_s(), 0.99);
-  nlohmann::json lost = Row(name + "/lost", static_cast<double>(listener.num_lost()), "msg");
-  lost["images"] = images;
+  const double lost = static_cast<double>(listener.num_lost());
+  nlohmann::json delivered = Row(name + "/delivered", 100.0 * images / (images + lost), "%");
+  delivered["images"] = images;
+  delivered["lost"] = lost;
   const nlohmann::json document = {{"context", {{"num_cpus", sysconf(_SC_NPROCESSORS_ONLN)}}},
-                                   {"benchmarks", {processor, published, arrived, lost}}};
+                                   {"benchmarks", {processor, published, arrived, delivered}}};
   std::ofstream stream(arguments.output);
   stream << document.dump(1) << '\n';
   stream.flush();
