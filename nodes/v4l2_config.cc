@@ -1,11 +1,29 @@
 #include "nodes/v4l2_config.h"
 
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "common/format.h"
 #include "drivers/v4l2/pixel_format.h"
 
 namespace vantage {
+namespace {
+
+void ReadColorDevice(ConfigReader::Table& table, V4l2Config* config) {
+  std::string text;
+  table.Read("color_device", &text);
+  if (text.empty()) return;
+  const Result<DeviceSelector> selector = DeviceSelector::Parse(text);
+  if (!selector || selector->kind == DeviceSelector::Kind::kRecording) {
+    table.Fail("color_device", selector ? "expected no recording" : selector.error().message);
+  } else if (!config->camera.stream.color) {
+    table.Fail("color_device", "expected color = true beside it");
+  } else {
+    config->v4l2.color_device = *selector;
+  }
+}
+
+}  // namespace
 
 Result<V4l2Config> ReadV4l2Config(ConfigReader& config, const std::string& process_name) {
   Result<CameraConfig> camera = ReadCameraConfig(config, process_name, "v4l2");
@@ -15,11 +33,11 @@ Result<V4l2Config> ReadV4l2Config(ConfigReader& config, const std::string& proce
   if (result.camera.device.kind == DeviceSelector::Kind::kRecording) {
     table.Fail("device", "expected no recording: those are read by vantage-openni2");
   }
-  table.Read("pixel_format", &result.v4l2.pixel_format);
-  if (result.v4l2.pixel_format != "auto" && FindPixelFormat(result.v4l2.pixel_format) == nullptr) {
-    table.Fail("pixel_format", "expected \"auto\" or one of " + PixelFormatNames());
-  }
+  std::vector<std::string> formats = PixelFormatNames();
+  formats.insert(formats.begin(), "auto");
+  table.ReadChoice("pixel_format", &result.v4l2.pixel_format, formats);
   table.Read("depth_unit_um", &result.v4l2.depth_unit_um, 1, 1'000'000);
+  ReadColorDevice(table, &result);
   ConfigReader::Table disparity = table.Sub("disparity");
   DisparityModel& model = result.v4l2.disparity;
   disparity.Read("baseline_mm", &model.baseline_mm, 1.0, 1000.0);

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "common/result.h"
-#include "drivers/v4l2/v4l2_device.h"
+#include "drivers/v4l2/v4l2_options.h"
 #include "nodes/camera_config.h"
 #include "nodes/config_reader.h"
 

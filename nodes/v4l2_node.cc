@@ -1,6 +1,8 @@
 #include "nodes/v4l2_node.h"
 
-#include "common/format.h"
+#include <string_view>
+
+#include "drivers/v4l2/device_report.h"
 #include "drivers/v4l2/v4l2_api.h"
 #include "nodes/camera_node.h"
 #include "nodes/v4l2_config.h"
@@ -33,13 +35,6 @@ Result<std::unique_ptr<Node>> MakeV4l2Node(Bus& bus,
                         std::make_unique<V4l2Api>(read->v4l2, PathOf(read->camera.device)));
 }
 
-Result<std::string> ListV4l2Devices() {
-  std::string list;
-  for (const VideoNode& node : ListVideoNodes({})) {
-    list += Format("path:%s  %s\n", node.path.c_str(), node.name.c_str());
-  }
-  if (list.empty()) list = "no V4L2 device; check the cable and `lsusb`\n";
-  return list;
-}
+Result<std::string> ListV4l2Devices() { return ReportVideoDevices({}); }
 
 }  // namespace vantage

@@ -117,7 +117,7 @@ Result<void> CaptureQueue::Map(uint32_t index, int64_t image_bytes) {
   }
   void* memory = mmap(nullptr, length, PROT_READ | PROT_WRITE, MAP_SHARED, fd_, argument.offset());
   if (memory == MAP_FAILED) return SystemError(path_, "can't map its buffers", errno);
-  is_monotonic_ = IsMonotonic(argument.buffer);
+  has_stamps_ = IsMonotonic(argument.buffer);
   memory_.emplace_back(static_cast<std::byte*>(memory), length);
   return {};
 }
@@ -190,9 +190,12 @@ CaptureQueue::Outcome CaptureQueue::Take(CapturedBuffer* captured) {
   captured->fault = FaultOf(argument, memory.size());
   if (!captured->fault.empty()) return Outcome::kFilled;
   captured->data = memory.subspan(argument.begin(), argument.end() - argument.begin());
-  captured->is_monotonic = IsMonotonic(argument.buffer);
-  captured->time_us = static_cast<int64_t>(argument.buffer.timestamp.tv_sec) * 1'000'000 +
-                      argument.buffer.timestamp.tv_usec;
+  const timeval& stamp = argument.buffer.timestamp;
+  captured->time_us = IsMonotonic(argument.buffer)
+                          ? int64_t{stamp.tv_sec} * 1'000'000 + stamp.tv_usec
+                          : std::chrono::duration_cast<std::chrono::microseconds>(
+                                steady_clock::now().time_since_epoch())
+                                .count();
   return Outcome::kFilled;
 }
 

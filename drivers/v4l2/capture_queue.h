@@ -18,9 +18,9 @@ namespace vantage {
 struct CapturedBuffer {
   std::span<const std::byte> data;
   int64_t index = 0;  ///< as the driver counts images
-  int64_t time_us = 0;
-  bool is_monotonic = false;  ///< time_us is of CLOCK_MONOTONIC
-  std::string fault;          ///< why it can't be used; empty: it can
+  int64_t time_us =
+      0;              ///< us of CLOCK_MONOTONIC: the driver's stamp; of its arrival if it has none
+  std::string fault;  ///< why it can't be used; empty: it can
 };
 
 /// The buffers of an open device, mapped into this process, on their way between driver and
@@ -45,7 +45,7 @@ class CaptureQueue {
   CaptureQueue& operator=(const CaptureQueue&) = delete;
 
   /// Whether the driver stamps images with CLOCK_MONOTONIC.
-  [[nodiscard]] bool is_monotonic() const { return is_monotonic_; }
+  [[nodiscard]] bool has_stamps() const { return has_stamps_; }
 
   /// Gives all buffers to the driver and starts it.
   Result<void> Start();
@@ -64,7 +64,7 @@ class CaptureQueue {
   uint32_t buffer_type_;
   std::string path_;
   std::vector<std::span<std::byte>> memory_;
-  bool is_monotonic_ = false;
+  bool has_stamps_ = false;
   int64_t taken_ = -1;  // Index of the buffer that the program has; -1: none.
 };
 

@@ -44,10 +44,9 @@ const PixelFormat* FindPixelFormat(const std::string& name) {
   return Find([&name](const PixelFormat& format) { return format.name == name; });
 }
 
-std::string PixelFormatNames() {
-  std::string names;
-  for (const PixelFormat& format : kFormats)
-    names += (names.empty() ? "" : ", ") + std::string(format.name);
+std::vector<std::string> PixelFormatNames() {
+  std::vector<std::string> names;
+  for (const PixelFormat& format : kFormats) names.emplace_back(format.name);
   return names;
 }
 

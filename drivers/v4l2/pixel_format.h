@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace vantage {
 
@@ -19,8 +20,8 @@ struct PixelFormat {
 const PixelFormat* FindPixelFormat(uint32_t fourcc);
 const PixelFormat* FindPixelFormat(const std::string& name);
 
-/// "YUYV, UYVY, ...": all that this driver reads.
-std::string PixelFormatNames();
+/// All that this driver reads, the preferred ones first.
+std::vector<std::string> PixelFormatNames();
 
 /// The four characters, without spaces at the end; what can't be printed as '?'.
 std::string FourccText(uint32_t fourcc);

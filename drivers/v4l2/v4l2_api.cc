@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "drivers/v4l2/v4l2_device.h"
 #include "drivers/v4l2/video_mode.h"
 
 namespace vantage {
@@ -78,10 +79,8 @@ const V4l2Api::Node& V4l2Api::Ask(const std::string& path) {
 
 std::vector<DeviceListing> V4l2Api::List() {
   std::vector<DeviceListing> listing;
-  serials_.clear();
   for (const VideoNode& node : ListVideoNodes(roots_)) {
     const Node& asked = Ask(node.path);
-    serials_[node.path] = node.serial;
     if (!asked.captures && node.path != path_) continue;
     DeviceListing device{node.path, node.name, node.serial, {"path:" + node.path}};
     for (const std::string& link : node.link_paths) device.aliases.push_back("path:" + link);
@@ -97,6 +96,7 @@ std::vector<DeviceListing> V4l2Api::List() {
     listing.insert(place, std::move(device));
   }
   AddSelected(&listing);
+  listing_ = listing;
   return listing;
 }
 
@@ -116,9 +116,28 @@ void V4l2Api::AddSelected(std::vector<DeviceListing>* listing) const {
   listing->push_back({path_, path_, {}, {alias}});
 }
 
+std::vector<std::string> V4l2Api::ColorPaths(const std::string& depth_path) const {
+  std::vector<std::string> paths;
+  if (!options_.color_device) return paths;
+  const DeviceSelector& selector = *options_.color_device;
+  for (size_t i = 0; i < listing_.size(); ++i) {
+    const DeviceListing& device = listing_[i];
+    if (device.uri == depth_path) continue;
+    const bool matches =
+        selector.kind == DeviceSelector::Kind::kIndex ? i == static_cast<size_t>(selector.index)
+        : selector.kind == DeviceSelector::Kind::kUri ? device.uri == selector.value
+        : selector.kind == DeviceSelector::Kind::kSerial
+            ? device.serial == selector.value
+            : std::ranges::find(device.aliases, selector.value) != device.aliases.end();
+    if (matches) paths.push_back(device.uri);
+  }
+  return paths;
+}
+
 Result<std::unique_ptr<CameraDevice>> V4l2Api::Open(const std::string& uri) {
-  const auto serial = serials_.find(uri);
-  return V4l2Device::Open(uri, serial == serials_.end() ? "" : serial->second, options_);
+  const auto device = std::ranges::find(listing_, uri, &DeviceListing::uri);
+  return V4l2Device::Open(
+      uri, device == listing_.end() ? "" : device->serial, ColorPaths(uri), options_);
 }
 
 bool V4l2Api::WaitForDevice(std::chrono::milliseconds timeout) {

@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/camera/camera_device.h"
-#include "drivers/v4l2/v4l2_device.h"
 #include "drivers/v4l2/v4l2_ioctl.h"
+#include "drivers/v4l2/v4l2_options.h"
 #include "drivers/v4l2/video_node.h"
 
 namespace vantage {
@@ -44,12 +44,14 @@ class V4l2Api : public CameraDeviceApi {
 
   const Node& Ask(const std::string& path);
   void AddSelected(std::vector<DeviceListing>* listing) const;
+  // That color_device may mean.
+  [[nodiscard]] std::vector<std::string> ColorPaths(const std::string& depth_path) const;
 
   V4l2Options options_;
   std::string path_;
   VideoRoots roots_;
   std::map<std::string, std::pair<Identity, Node>> asked_;  // By path.
-  std::map<std::string, std::string> serials_;              // By path, of the last List().
+  std::vector<DeviceListing> listing_;                      // Of the last List().
   FileDescriptor watch_;                                    // Of the folder of nodes, by inotify.
 };
 

@@ -210,7 +210,7 @@ Result<void> V4l2Controls::SetExposure(int exposure_us) {
   const V4l2Control* automatic = Find(V4L2_CID_EXPOSURE_AUTO);
   if (exposure_us == 0) {
     if (automatic == nullptr) {
-      return Error{ErrorCode::kUnavailable,
+      return Error{ErrorCode::kNotFound,
                    Format("device %s has no automatic exposure", path_.c_str())};
     }
     return WriteFirst(
@@ -219,7 +219,7 @@ Result<void> V4l2Controls::SetExposure(int exposure_us) {
   }
   const V4l2Control* exposure = Find(V4L2_CID_EXPOSURE_ABSOLUTE);
   if (exposure == nullptr) {
-    return Error{ErrorCode::kUnavailable,
+    return Error{ErrorCode::kNotFound,
                  Format("device %s has no exposure time in units of time", path_.c_str())};
   }
   const int64_t value = (int64_t{exposure_us} + kExposureUnitUs / 2) / kExposureUnitUs;
@@ -246,7 +246,7 @@ Result<void> V4l2Controls::SetGain(int gain) {
   const V4l2Control* control = Find(V4L2_CID_GAIN);
   if (control == nullptr) control = Find(V4L2_CID_ANALOGUE_GAIN);
   if (control == nullptr) {
-    return Error{ErrorCode::kUnavailable, Format("device %s has no gain", path_.c_str())};
+    return Error{ErrorCode::kNotFound, Format("device %s has no gain", path_.c_str())};
   }
   if (const V4l2Control* automatic = Find(V4L2_CID_AUTOGAIN); automatic != nullptr) {
     if (Result<void> manual = Write(*automatic, 0); !manual) return manual;

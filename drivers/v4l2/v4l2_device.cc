@@ -1,23 +1,14 @@
 #include "drivers/v4l2/v4l2_device.h"
 
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "common/format.h"
-#include "drivers/v4l2/stream_format.h"
-#include "drivers/v4l2/video_mode.h"
 
 namespace vantage {
 namespace {
 
 constexpr int kMostErrors = 3;  // one after the other, before the device counts as broken
-
-int64_t MonotonicUs() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 void AddNote(const std::string& sentence, StreamDetails* details) {
   details->note += (details->note.empty() ? "" : "; ") + sentence;
@@ -27,71 +18,72 @@ void AddNote(const std::string& sentence, StreamDetails* details) {
 
 Result<std::unique_ptr<CameraDevice>> V4l2Device::Open(const std::string& path,
                                                        const std::string& serial,
+                                                       const std::vector<std::string>& color_paths,
                                                        const V4l2Options& options) {
-  Result<FileDescriptor> fd = OpenVideoNode(path);
-  if (!fd) return fd.error();
-  const Result<VideoCapability> capability = ReadCapability(fd->get(), path);
-  if (!capability) return capability.error();
-  if (Result<void> captures = CheckCapture(*capability, path); !captures) return captures.error();
+  Result<std::unique_ptr<V4l2Stream>> stream = V4l2Stream::Open(path);
+  if (!stream) return stream.error();
   return std::unique_ptr<CameraDevice>(
-      new V4l2Device(path, serial, options, std::move(*fd), capability->buffer_type()));
+      new V4l2Device(path, serial, color_paths, options, std::move(*stream)));
 }
-
-V4l2Device::V4l2Device(const std::string& path,
-                       const std::string& serial,
-                       const V4l2Options& options,
-                       FileDescriptor fd,
-                       uint32_t buffer_type)
-    : path_(path),
-      serial_(serial),
-      options_(options),
-      fd_(std::move(fd)),
-      buffer_type_(buffer_type),
-      controls_(fd_.get(), path) {}
 
 Result<StreamDetails> V4l2Device::Start(const StreamRequest& request) {
-  const std::vector<VideoFormat> formats =
-      ReadVideoFormats(fd_.get(), buffer_type_, request.width, request.height);
-  const Result<const PixelFormat*> pixel =
-      ChooseFormat(formats, options_.pixel_format, request, path_);
-  if (!pixel) return pixel.error();
-  const Result<StreamFormat> format = SetFormat(fd_.get(), buffer_type_, **pixel, request, path_);
-  if (!format) return format.error();
-  const double rate_hz = SetRate(fd_.get(), buffer_type_, request.fps);
-  Result<std::unique_ptr<CaptureQueue>> queue =
-      CaptureQueue::Create(fd_.get(), buffer_type_, format->image_bytes, path_);
-  if (!queue) return queue.error();
-  // Until there were buffers another program could set another.
-  const Result<void> same = ConfirmFormat(fd_.get(), buffer_type_, *format, request, path_);
-  if (!same) return same.error();
-  if (Result<void> started = (*queue)->Start(); !started) return started.error();
-  queue_ = std::move(*queue);
-  converter_.emplace(*format, request.color_layout, options_.disparity);
-  return Details(*format, request, rate_hz);
+  const Result<void> started =
+      stream_->Start(request, options_.pixel_format, V4l2Stream::Kind::kAny);
+  if (!started) return started.error();
+  converter_.emplace(stream_->format(), request.color_layout, options_.disparity);
+  if (options_.color_device) {
+    if (Result<void> color = StartColor(request); !color) return color.error();
+  }
+  return Details(request);
 }
 
-StreamDetails V4l2Device::Details(const StreamFormat& format,
-                                  const StreamRequest& request,
-                                  double rate_hz) const {
+Result<void> V4l2Device::StartColor(const StreamRequest& request) {
+  if (stream_->format().pixel->kind != PixelFormat::Kind::kDepth) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("device %s gives %s, expected depth beside the color of color_device %s",
+                        path_.c_str(),
+                        stream_->format().pixel->name,
+                        options_.color_device->Text().c_str())};
+  }
+  std::string refusals;
+  for (const std::string& path : color_paths_) {
+    Result<std::unique_ptr<PairedColor>> color = PairedColor::Start(path, request);
+    if (color) {
+      color_ = std::move(*color);
+      return {};
+    }
+    refusals += (refusals.empty() ? "" : "; ") + color.error().message;
+  }
+  if (refusals.empty()) refusals = "no other device matches it";
+  return Error{ErrorCode::kUnavailable,
+               Format("device %s lacks the color of color_device %s: %s",
+                      path_.c_str(),
+                      options_.color_device->Text().c_str(),
+                      refusals.c_str())};
+}
+
+StreamDetails V4l2Device::Details(const StreamRequest& request) const {
+  const StreamFormat& format = stream_->format();
   StreamDetails details;
   details.width = format.width;
   details.height = format.height;
   details.has_depth = format.pixel->kind == PixelFormat::Kind::kDepth;
-  details.has_color = !details.has_depth;
+  details.has_color = !details.has_depth || color_ != nullptr;
   const bool is_disparity = format.pixel->fourcc == V4L2_PIX_FMT_Y10BPACK;
   details.depth_unit_um = is_disparity ? 1000 : options_.depth_unit_um;
   details.clock_modulus_us = 0;
+  const double rate_hz = stream_->rate_hz();
   if (rate_hz != 0.0 && std::abs(rate_hz - request.fps) > 0.01 * request.fps) {
     AddNote(Format("it runs at %.4g Hz instead of %d", rate_hz, request.fps), &details);
   }
-  if (!queue_->is_monotonic()) {
+  if (!stream_->has_stamps() || (color_ != nullptr && !color_->has_stamps())) {
     AddNote(
         "its driver does not stamp images with the monotonic clock: they have their time of "
         "arrival",
         &details);
   }
-  if (request.color && details.has_depth) {
-    AddNote("it has no color beside its depth", &details);
+  if (request.color && !details.has_color) {
+    AddNote("it has no color beside its depth, and no color_device is named", &details);
   }
   return details;
 }
@@ -99,8 +91,7 @@ StreamDetails V4l2Device::Details(const StreamFormat& format,
 CameraDevice::ReadResult V4l2Device::Read(std::chrono::milliseconds timeout, RawFrame* frame) {
   *frame = {};
   CapturedBuffer captured;
-  const CaptureQueue::Outcome outcome = queue_->Dequeue(timeout, &captured);
-  switch (outcome) {
+  switch (stream_->Read(timeout, &captured)) {
     case CaptureQueue::Outcome::kTimeout:
       return ReadResult::kTimeout;
     case CaptureQueue::Outcome::kGone:
@@ -117,9 +108,32 @@ CameraDevice::ReadResult V4l2Device::Read(std::chrono::milliseconds timeout, Raw
   frame->fault = captured.fault;
   if (frame->fault.empty()) frame->fault = converter_->Convert(captured.data, &image);
   if (!frame->fault.empty()) return ReadResult::kBad;
-  image.device_time_us = captured.is_monotonic ? captured.time_us : MonotonicUs();
+  image.device_time_us = captured.time_us;
   (image.layout == PixelLayout::kDepth16 ? frame->depth : frame->color) = image;
+  if (color_ != nullptr) {
+    frame->color = color_->Find(captured.time_us);
+    if (color_->is_gone()) return ReadResult::kGone;
+  }
   return ReadResult::kFrame;
+}
+
+template <class Set>
+Result<void> V4l2Device::SetOnEither(const Set& set) {
+  const Result<void> done = set(stream_->controls());
+  const bool lacks = !done && done.error().code == ErrorCode::kNotFound;
+  return lacks && color_ != nullptr ? set(color_->controls()) : done;
+}
+
+Result<void> V4l2Device::SetExposure(int exposure_us) {
+  return SetOnEither([&](V4l2Controls& controls) { return controls.SetExposure(exposure_us); });
+}
+
+Result<void> V4l2Device::SetGain(int gain) {
+  return SetOnEither([&](V4l2Controls& controls) { return controls.SetGain(gain); });
+}
+
+Result<void> V4l2Device::SetControl(const std::string& name, int64_t value) {
+  return SetOnEither([&](V4l2Controls& controls) { return controls.Set(name, value); });
 }
 
 }  // namespace vantage

@@ -3,62 +3,61 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "drivers/camera/camera_device.h"
-#include "drivers/v4l2/capture_queue.h"
-#include "drivers/v4l2/disparity_model.h"
 #include "drivers/v4l2/frame_converter.h"
-#include "drivers/v4l2/v4l2_controls.h"
-#include "drivers/v4l2/v4l2_ioctl.h"
-#include "drivers/v4l2/video_node.h"
+#include "drivers/v4l2/paired_color.h"
+#include "drivers/v4l2/v4l2_options.h"
+#include "drivers/v4l2/v4l2_stream.h"
 
 namespace vantage {
 
-/// What is asked of V4L2 devices beside a StreamRequest.
-struct V4l2Options {
-  std::string pixel_format = "auto";  ///< a name of PixelFormat; "auto": the best that fits
-  int depth_unit_um = 1000;           ///< um, of Z16 and Y16: 1 to 1,000,000
-  DisparityModel disparity;           ///< of Y10B
-};
-
-/// CameraDevice on a node of video4linux.
+/// CameraDevice on a node of video4linux, and a second one for color beside its depth where the
+/// options name one.
 class V4l2Device : public CameraDevice {
  public:
   /// @param serial of its USB device, empty if it has none.
-  /// Errors: as of OpenVideoNode(), ReadCapability() and CheckCapture().
+  /// @param color_paths nodes that options.color_device may mean; the first that has color is it.
+  /// Errors: as of V4l2Stream::Open().
   static Result<std::unique_ptr<CameraDevice>> Open(const std::string& path,
                                                     const std::string& serial,
+                                                    const std::vector<std::string>& color_paths,
                                                     const V4l2Options& options);
 
   [[nodiscard]] std::string serial() const override { return serial_; }
   Result<StreamDetails> Start(const StreamRequest& request) override;
   ReadResult Read(std::chrono::milliseconds timeout, RawFrame* frame) override;
-  Result<void> SetExposure(int exposure_us) override { return controls_.SetExposure(exposure_us); }
-  Result<void> SetGain(int gain) override { return controls_.SetGain(gain); }
-  Result<void> SetControl(const std::string& name, int64_t value) override {
-    return controls_.Set(name, value);
-  }
+  /// Settings are those of the first node; of the color node those that the first lacks.
+  Result<void> SetExposure(int exposure_us) override;
+  Result<void> SetGain(int gain) override;
+  Result<void> SetControl(const std::string& name, int64_t value) override;
 
  private:
   V4l2Device(const std::string& path,
              const std::string& serial,
+             const std::vector<std::string>& color_paths,
              const V4l2Options& options,
-             FileDescriptor fd,
-             uint32_t buffer_type);
+             std::unique_ptr<V4l2Stream> stream)
+      : path_(path),
+        serial_(serial),
+        color_paths_(color_paths),
+        options_(options),
+        stream_(std::move(stream)) {}
 
-  [[nodiscard]] StreamDetails Details(const StreamFormat& format,
-                                      const StreamRequest& request,
-                                      double rate_hz) const;
+  Result<void> StartColor(const StreamRequest& request);
+  [[nodiscard]] StreamDetails Details(const StreamRequest& request) const;
+  template <class Set>
+  Result<void> SetOnEither(const Set& set);
 
   std::string path_;
   std::string serial_;
+  std::vector<std::string> color_paths_;
   V4l2Options options_;
-  FileDescriptor fd_;  // Before what uses it.
-  uint32_t buffer_type_;
-  V4l2Controls controls_;
-  std::unique_ptr<CaptureQueue> queue_;  // Null before Start().
+  std::unique_ptr<V4l2Stream> stream_;
   std::optional<FrameConverter> converter_;
-  int num_errors_ = 0;  // One after the other.
+  std::unique_ptr<PairedColor> color_;  // Null: none.
+  int num_errors_ = 0;                  // One after the other.
 };
 
 }  // namespace vantage

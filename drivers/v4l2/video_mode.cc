@@ -155,29 +155,34 @@ Result<const PixelFormat*> ChooseFormat(const std::vector<VideoFormat>& formats,
 }
 
 std::string SizeText(const VideoSize& size) {
-  std::string text = RangeText(size.width) + "x" + RangeText(size.height);
-  if (size.rates.empty()) return text;
-  text += " at ";
-  for (size_t i = 0; i < size.rates.size(); ++i) {
-    text += (i == 0 ? "" : ", ") + RangeText(size.rates[i]);
-  }
-  return text + " Hz";
+  return RangeText(size.width) + "x" + RangeText(size.height);
+}
+
+std::string RatesText(const VideoSize& size) {
+  std::string text;
+  for (const ModeRange& rate : size.rates) text += (text.empty() ? "" : ", ") + RangeText(rate);
+  return text.empty() ? text : text + " Hz";
 }
 
 std::string FormatsText(const std::vector<VideoFormat>& formats) {
   std::string text;
+  int num_unknown = 0;
   for (const VideoFormat& format : formats) {
-    text += (text.empty() ? "" : ", ") + FourccText(format.fourcc);
     if (FindPixelFormat(format.fourcc) == nullptr) {
-      text += " (not known here)";
+      ++num_unknown;
       continue;
     }
     std::string sizes;
-    for (const VideoSize& size : format.sizes)
+    for (const VideoSize& size : format.sizes) {
       sizes += (sizes.empty() ? "" : ", ") + SizeText(size);
+      if (!size.rates.empty()) sizes += " at " + RatesText(size);
+    }
+    text += (text.empty() ? "" : ", ") + FourccText(format.fourcc);
     if (!sizes.empty()) text += " (" + sizes + ")";
   }
-  return text.empty() ? "none" : text;
+  if (text.empty()) text = "none";
+  if (num_unknown > 0) text += Format("; it has %d more that are not known here", num_unknown);
+  return text;
 }
 
 }  // namespace vantage

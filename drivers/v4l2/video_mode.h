@@ -46,9 +46,11 @@ Result<const PixelFormat*> ChooseFormat(const std::vector<VideoFormat>& formats,
                                         const StreamRequest& request,
                                         const std::string& path);
 
-/// "640x480 at 30, 15 Hz"
+/// "640x480", "16-1920x16-1080"
 std::string SizeText(const VideoSize& size);
-/// "YUYV (640x480 at 30 Hz, ...), MJPG (...)"; "none".
+/// "30, 15 Hz"; empty where the driver does not say.
+std::string RatesText(const VideoSize& size);
+/// "YUYV (640x480 at 30 Hz, ...), MJPG (...)", of those that are read; "none".
 std::string FormatsText(const std::vector<VideoFormat>& formats);
 
 }  // namespace vantage

@@ -56,7 +56,7 @@ TEST(ChooseFormat, NamesWhatThereIs) {
   EXPECT_EQ(Choice(kWebcam, Request(800, 600, 30)),
             "device /dev/video0 has no format known here of 800x600 at 30 Hz, expected one of: "
             "MJPG (640x480 at 30 Hz, 1280x720 at 30 Hz), YUYV (640x480 at 30, 15 Hz, 1280x720 at "
-            "7.5 Hz), H264 (not known here)");
+            "7.5 Hz); it has 1 more that are not known here");
   EXPECT_TRUE(Choice(kWebcam, Request(640, 480, 30), "Z16")
                   .starts_with("device /dev/video0 has no Z16 of 640x480 at 30 Hz, expected"));
   EXPECT_TRUE(Choice(kWebcam, Request(640, 480, 25)).starts_with("device /dev/video0 has no"));
@@ -92,12 +92,12 @@ TEST(ChooseFormat, RangesAndTheRatesOfTelevision) {
 }
 
 TEST(PixelFormat, NamesAreThoseOfTheirCharacters) {
-  for (const char* name : {"Z16", "YUYV", "MJPG", "GRBG", "Y10B", "GREY", "RGB3"}) {
-    const PixelFormat* format = FindPixelFormat(std::string(name));
+  EXPECT_EQ(PixelFormatNames().size(), 11U);
+  for (const std::string& name : PixelFormatNames()) {
+    const PixelFormat* format = FindPixelFormat(name);
     ASSERT_NE(format, nullptr) << name;
     EXPECT_EQ(FourccText(format->fourcc), name);
     EXPECT_EQ(FindPixelFormat(format->fourcc), format);
-    EXPECT_NE(PixelFormatNames().find(name), std::string::npos);
   }
   EXPECT_EQ(FindPixelFormat(std::string("auto")), nullptr);
   EXPECT_EQ(FindPixelFormat(uint32_t{0}), nullptr);
