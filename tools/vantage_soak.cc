@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "bus/image_conversion.h"
@@ -47,7 +48,14 @@ struct Frame {
   int width = 0;   // px
   int height = 0;  // px
   std::vector<uint16_t> millimetres;
+  DepthImage depth;  // m, as a listener has it
 };
+
+bool IsSame(const DepthImage& a, const DepthImage& b) {
+  // By their bits: no measurement is always the same NaN.
+  return a.width == b.width && a.height == b.height && a.depth.size() == b.depth.size() &&
+         std::memcmp(a.depth.data(), b.depth.data(), a.depth.size() * sizeof a.depth[0]) == 0;
+}
 
 // What the set-up's sensor sees from places around its target. Both processes render the same.
 Result<std::vector<Frame>> RenderFrames(ConfigReader& config) {
@@ -66,7 +74,13 @@ Result<std::vector<Frame>> RenderFrames(ConfigReader& config) {
                                          0.75 * std::cos(elevation) * std::sin(azimuth),
                                          0.75 * std::sin(elevation));
     camera.Expose(LookAt(p_world_camera, Eigen::Vector3d(0.0, 0.0, 0.04)), i, i / 30.0);
-    frames.push_back({setup.camera.width, setup.camera.height, camera.Depth(setup.camera.width)});
+    Frame frame{setup.camera.width, setup.camera.height, camera.Depth(setup.camera.width), {}};
+    const images_t plain = DepthToMessage(
+        frame.width, frame.height, frame.millimetres, 1, 0, "", DepthCompression::kNone);
+    Result<DepthFrame> decoded = DepthFrameFromMessage(plain);
+    if (!decoded) return decoded.error();
+    frame.depth = std::move(decoded->image);
+    frames.push_back(std::move(frame));
   }
   return frames;
 }
@@ -158,16 +172,6 @@ class Receiver {
   std::string first_fault_;
 };
 
-bool IsSame(const DepthImage& image, const Frame& frame) {
-  if (image.width != frame.width || image.height != frame.height) return false;
-  for (size_t i = 0; i < frame.millimetres.size(); ++i) {
-    const float depth = image.depth[i];
-    const auto millimetres = std::isnan(depth) ? 0L : std::lround(1e3 * static_cast<double>(depth));
-    if (millimetres != frame.millimetres[i]) return false;
-  }
-  return true;
-}
-
 void Receiver::OnFrame(const Envelope& envelope, const images_t& message) {
   const size_t bytes = message.images.empty() ? 0 : message.images[0].data.size();
   const Result<DepthFrame> frame = DepthFrameFromMessage(message);
@@ -185,7 +189,7 @@ void Receiver::OnFrame(const Envelope& envelope, const images_t& message) {
   }
   lost_ += sequence_.Add(kChannel, frame->seq, envelope.num_skipped);
   last_seq_ = frame->seq;
-  if (IsSame(frame->image, FrameOf(frames_, frame->seq))) return;
+  if (IsSame(frame->image, FrameOf(frames_, frame->seq).depth)) return;
   ++altered_;
   if (first_fault_.empty()) first_fault_ = Format("frame %jd differs", intmax_t{frame->seq});
 }
