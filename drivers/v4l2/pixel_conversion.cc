@@ -55,23 +55,25 @@ constexpr YuvPlaces PlacesOf(YuvOrder order) {
   return order == YuvOrder::kYuyv ? YuvPlaces{0, 1, 3} : YuvPlaces{1, 0, 2};
 }
 
+void StorePixel(int32_t y, int32_t red, int32_t green, int32_t blue, uint8_t* pixel) {
+  pixel[0] = ToByte(y + red);
+  pixel[1] = ToByte(y + green);
+  pixel[2] = ToByte(y + blue);
+}
+
 template <YuvOrder order>
 void YuvRowToRgb(const uint8_t* row, int width, const YuvMatrix& matrix, uint8_t* rgb) {
   constexpr YuvPlaces kPlaces = PlacesOf(order);
-  for (int u = 0; u < width; u += 2) {
-    const uint8_t* pair = row + 2 * u;
-    const int32_t cb = pair[kPlaces.cb] - 128;
-    const int32_t cr = pair[kPlaces.cr] - 128;
-    const int32_t red = matrix.r_cr * cr;
-    const int32_t green = matrix.g_cb * cb + matrix.g_cr * cr;
-    const int32_t blue = matrix.b_cb * cb;
-    for (int i = 0; i < 2 && u + i < width; ++i) {
-      const int32_t y = matrix.y * (pair[kPlaces.y + 2 * i] - matrix.black);
-      uint8_t* pixel = rgb + 3 * (u + i);
-      pixel[0] = ToByte(y + red);
-      pixel[1] = ToByte(y + green);
-      pixel[2] = ToByte(y + blue);
-    }
+  const YuvMatrix m = matrix;  // Of which the compiler knows that no pixel is part of it.
+  for (int u = 0; u < width; u += 2, row += 4, rgb += 6) {
+    const int32_t cb = row[kPlaces.cb] - 128;
+    const int32_t cr = row[kPlaces.cr] - 128;
+    const int32_t red = m.r_cr * cr;
+    const int32_t green = m.g_cb * cb + m.g_cr * cr;
+    const int32_t blue = m.b_cb * cb;
+    StorePixel(m.y * (row[kPlaces.y] - m.black), red, green, blue, rgb);
+    if (u + 1 == width) return;
+    StorePixel(m.y * (row[kPlaces.y + 2] - m.black), red, green, blue, rgb + 3);
   }
 }
 
