@@ -22,9 +22,11 @@ constexpr std::chrono::milliseconds kPlaybackPatience{500};
 
 // A driver mirrors by default, and some can't but do: what still is mirrored is turned on arrival.
 bool IsMirrored(openni::VideoStream& stream, bool is_recording) {
+  // Of a recording the property tells how it was made, though it is said not to be supported;
+  // setting it would only hide that.
+  if (is_recording) return stream.getMirroringEnabled();
   if (!stream.isPropertySupported(openni::STREAM_PROPERTY_MIRRORING)) return false;
-  // Of a recording the property tells how it was made; setting it would only hide that.
-  if (!is_recording) stream.setMirroringEnabled(false);
+  stream.setMirroringEnabled(false);
   return stream.getMirroringEnabled();
 }
 
