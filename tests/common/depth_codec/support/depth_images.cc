@@ -65,7 +65,7 @@ std::vector<TestDepth> AdversarialDepths(Rng& rng) {
     });
   }
   images.push_back(Make("all values", 256, 256, [](int u, int v) {
-    return static_cast<uint32_t>((u * 256 + v) * 40503);
+    return static_cast<uint32_t>(u * 256 + v) * 40503U;
   }));
   images.push_back(Make("all values in order", 256, 256, [](int u, int v) {
     return static_cast<uint32_t>(u + 256 * v);
