@@ -142,7 +142,8 @@ Result<CameraModel> CameraFromMessage(const camera_info_t& message) {
 camera_info_t CameraToMessage(const CameraModel& camera,
                               const CameraIdentity& identity,
                               int64_t utime,
-                              int64_t seq) {
+                              int64_t seq,
+                              const LensDistortion& distortion) {
   camera_info_t message{};
   message.utime = utime;
   message.seq = seq;
@@ -156,7 +157,12 @@ camera_info_t CameraToMessage(const CameraModel& camera,
   message.cx = camera.cx;
   message.cy = camera.cy;
   message.distortion_model = "none";
-  message.num_distortion = 0;
+  if (!distortion.IsNone()) {
+    message.distortion_model = "brown_conrady";
+    message.distortion = {
+        distortion.k1, distortion.k2, distortion.p1, distortion.p2, distortion.k3};
+  }
+  message.num_distortion = static_cast<int32_t>(message.distortion.size());
   message.depth_unit = kDepthUnit;
   message.registered = identity.registered ? 1 : 0;
   message.calibration_id = identity.calibration_id;

@@ -4,6 +4,7 @@
 
 #include "common/camera_model.h"
 #include "common/detection.h"
+#include "common/lens_distortion.h"
 #include "common/result.h"
 #include "common/so3.h"
 #include "vantage/camera_info_t.hpp"
@@ -29,16 +30,19 @@ struct CameraIdentity {
   bool registered = false;     ///< depth lies in the colour camera's frame
   std::string calibration_id;  ///< where the intrinsics come from
 };
-/// Without distortion; depth unit 0.001 m. @param seq counts messages of the channel.
+/// Depth unit 0.001 m. @param seq counts messages of the channel. @param distortion left in the
+/// images, which CameraFromMessage() then refuses.
 camera_info_t CameraToMessage(const CameraModel& camera,
                               const CameraIdentity& identity,
                               int64_t utime,
-                              int64_t seq);
+                              int64_t seq,
+                              const LensDistortion& distortion = {});
 
 /// Errors: as CheckUtime, names with other characters than letters, digits, '_', '-', '.' or longer
 /// than 64, no model id, more than 10,000 detections, poses as PoseFromWire, negative counts or
 /// indices, values that are not finite or out of range. `channel` goes into the result.
-Result<DetectionSet> DetectionsFromMessage(const detections_v2_t& message, const std::string& channel);
+Result<DetectionSet> DetectionsFromMessage(const detections_v2_t& message,
+                                           const std::string& channel);
 detections_v2_t DetectionsToMessage(const DetectionSet& set);
 
 }  // namespace vantage

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace vantage {
 
 /// What a lens does to a line of sight: Brown, "Close-Range Camera Calibration", 1971, with the
-/// coefficients in the order of OpenCV and of camera_info_t.
+/// signs of OpenCV, the coefficients in its order and that of camera_info_t.
 struct LensDistortion {
   double k1 = 0.0;  ///< radial, of r^2
   double k2 = 0.0;  ///< radial, of r^4
@@ -25,6 +26,9 @@ struct LensDistortion {
     return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
             y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
   }
+  /// Inverse of Distort(), by Newton's method. Nothing where no point is shown, or where it does
+  /// not converge.
+  [[nodiscard]] std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& point) const;
 
   bool operator==(const LensDistortion&) const = default;
 };

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "common/format.h"
+#include "nodes/camera_calibration.h"
 
 namespace vantage {
 namespace {
@@ -96,50 +97,6 @@ void ReadStream(ConfigReader::Table& table, CameraConfig* config) {
 
 }  // namespace
 
-Result<CameraCalibration> LoadCameraCalibration(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) {
-    return Error{ErrorCode::kNotFound,
-                 Format("calibration file %s is not there, expected a TOML file with width_px, "
-                        "height_px, fx_px, fy_px, cx_px, cy_px",
-                        file.c_str())};
-  }
-  Result<ConfigReader> reader = ConfigReader::Open(file);
-  if (!reader) return reader.error();
-  ConfigReader::Table table = reader->Root();
-  CameraCalibration calibration;
-  CameraModel& model = calibration.model;
-  for (const char* key : {"width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px"}) {
-    table.Require(key);
-  }
-  table.Read("width_px", &model.width, 1, kMaxImageSide);
-  table.Read("height_px", &model.height, 1, kMaxImageSide);
-  constexpr double kLongest = 1e6;  // px
-  table.Read("fx_px", &model.fx, 1.0, kLongest);
-  table.Read("fy_px", &model.fy, 1.0, kLongest);
-  table.Read("cx_px", &model.cx, -kLongest, kLongest);
-  table.Read("cy_px", &model.cy, -kLongest, kLongest);
-  std::string distortion_model = "none";
-  std::vector<double> distortion;
-  table.ReadChoice("distortion_model", &distortion_model, {"none", "brown_conrady"});
-  table.ReadNumbers("distortion", 5, -100.0, 100.0, &distortion);
-  if (distortion_model == "brown_conrady") {
-    table.Require("distortion");
-  } else if (table.Has("distortion")) {
-    table.Fail("distortion", "expected distortion_model = \"brown_conrady\" beside it");
-  }
-  if (Result<void> read = reader->Finish(); !read) return read.error();
-  if (Result<void> valid = model.Validate(); !valid) {
-    return Error{valid.error().code, file.string() + ": " + valid.error().message};
-  }
-  if (distortion_model == "brown_conrady") {
-    calibration.distortion.emplace();
-    std::ranges::copy(distortion, calibration.distortion->begin());
-  }
-  calibration.id = file.filename().string() + "#" + reader->Hash();
-  return calibration;
-}
-
 Result<CameraConfig> ReadCameraConfig(ConfigReader& config,
                                       const std::string& process_name,
                                       const std::string& driver) {
@@ -180,14 +137,14 @@ Result<CameraConfig> ReadCameraConfig(ConfigReader& config,
   Result<CameraCalibration> calibration = LoadCameraCalibration(file);
   if (!calibration) return calibration.error();
   const bool recording = result.device.kind == DeviceSelector::Kind::kRecording;
-  if (!recording && (calibration->model.width != result.stream.width ||
-                     calibration->model.height != result.stream.height)) {
+  if (!recording && (calibration->intrinsics.camera.width != result.stream.width ||
+                     calibration->intrinsics.camera.height != result.stream.height)) {
     return Error{ErrorCode::kInvalidArgument,
                  Format("calibration file %s is for %d x %d px, expected the %d x %d px of "
                         "[camera.%s]",
                         file.c_str(),
-                        calibration->model.width,
-                        calibration->model.height,
+                        calibration->intrinsics.camera.width,
+                        calibration->intrinsics.camera.height,
                         result.stream.width,
                         result.stream.height,
                         name->c_str())};

@@ -1,29 +1,16 @@
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "bus/image_conversion.h"
-#include "common/camera_model.h"
 #include "common/result.h"
 #include "drivers/camera/camera.h"
+#include "drivers/camera/camera_calibration.h"
 #include "nodes/config_reader.h"
 
 namespace vantage {
-
-/// Intrinsics and distortion out of a calibration file.
-struct CameraCalibration {
-  CameraModel model;
-  std::optional<BrownConrady> distortion;  ///< taken out of the depth before it is published
-  std::string id;                          ///< file's name and the hash of its content
-};
-
-/// Reads a calibration file (TOML, see docs/drivers.md).
-/// Errors: absent, no TOML, keys that are missing, unknown or out of range.
-Result<CameraCalibration> LoadCameraCalibration(const std::filesystem::path& file);
 
 /// What [camera.<NAME>] says.
 struct CameraConfig {

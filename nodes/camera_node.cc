@@ -12,6 +12,7 @@
 
 #include "bus/conversions.h"
 #include "bus/image_conversion.h"
+#include "common/camera_intrinsics.h"
 #include "common/format.h"
 #include "drivers/camera/camera.h"
 #include "drivers/clock/rate_limiter.h"
@@ -39,7 +40,7 @@ double SecondsSince(steady_clock::time_point start) {
 
 // What CAMERA_<NAME>_INFO depends on.
 struct InfoContent {
-  CameraModel model;
+  CameraIntrinsics intrinsics;
   std::string serial;
   bool registered = false;
   bool operator==(const InfoContent&) const = default;
@@ -128,10 +129,7 @@ Result<void> CameraNode::Start(std::unique_ptr<CameraDeviceApi> api) {
   Camera::Options options;
   options.device = config_.device;
   options.stream = config_.stream;
-  if (config_.calibration) {
-    options.calibration = config_.calibration->model;
-    options.distortion = config_.calibration->distortion;
-  }
+  options.calibration = config_.calibration;
   options.stall_timeout = milliseconds(std::llround(1e3 * config_.stall_timeout_s));
   options.on_change = [this](const CameraStatus& status) {
     Tell(status);
@@ -258,7 +256,8 @@ void CameraNode::Tell(const CameraStatus& status) {
 void CameraNode::Offer(CameraFrame frame) {
   const bool due = limiter_.Accept(frame.utime);
   const std::lock_guard lock(mutex_);
-  if (frame.model) info_ = InfoContent{*frame.model, frame.serial, frame.registered};
+  if (frame.model)
+    info_ = InfoContent{{*frame.model, frame.distortion}, frame.serial, frame.registered};
   if (!due) {
     ++num_left_out_;
     return;
@@ -397,7 +396,8 @@ void CameraNode::PublishInfo(const InfoContent& info) {
   identity.frame = channel_;
   identity.registered = info.registered;
   identity.calibration_id = config_.calibration ? config_.calibration->id : "field of view";
-  const camera_info_t message = CameraToMessage(info.model, identity, bus_.NowUtime(), info_seq_++);
+  const camera_info_t message = CameraToMessage(
+      info.intrinsics.camera, identity, bus_.NowUtime(), info_seq_++, info.intrinsics.distortion);
   (void)bus_.Publish(channel_ + "_INFO", message);
 }
 

@@ -1,8 +1,6 @@
 #include "drivers/camera/camera.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "common/format.h"
@@ -23,8 +21,6 @@ bool IsCalled(const DeviceListing& device, const DeviceSelector& selector) {
   if (selector.kind == DeviceSelector::Kind::kUri) return device.uri == selector.value;
   return std::ranges::find(device.aliases, selector.value) != device.aliases.end();
 }
-
-bool IsFieldOfView(double angle) { return angle > 0.0 && angle < std::numbers::pi; }
 
 }  // namespace
 
@@ -168,52 +164,16 @@ Result<void> Camera::TryOpen(const std::string& uri) {
   return {};
 }
 
-Result<std::optional<CameraModel>> Camera::ModelOf(const StreamDetails& details) const {
-  const auto reject = [](const std::string& reason) {
-    return Error{ErrorCode::kUnavailable, reason};
-  };
-  std::optional<CameraModel> model;
-  if (options_.calibration) {
-    model = options_.calibration;
-    if (model->width != details.width || model->height != details.height) {
-      return reject(Format("gives images of %d x %d px, expected the %d x %d px of the calibration",
-                           details.width,
-                           details.height,
-                           model->width,
-                           model->height));
-    }
-  } else if (details.horizontal_fov != 0.0 || details.vertical_fov != 0.0) {
-    if (!IsFieldOfView(details.horizontal_fov) || !IsFieldOfView(details.vertical_fov)) {
-      return reject(
-          Format("reports a field of view of %g x %g rad, expected each between 0 and pi; "
-                 "a calibration file can stand in for it",
-                 details.horizontal_fov,
-                 details.vertical_fov));
-    }
-    model = CameraFromFieldOfView(
-        details.width, details.height, details.horizontal_fov, details.vertical_fov);
-  }
-  if (model) {
-    if (Result<void> valid = model->Validate(); !valid) return valid.error();
-  }
-  return model;
-}
-
 Result<void> Camera::Adopt(const std::string& uri, const StreamDetails& details) {
-  const Result<std::optional<CameraModel>> model = ModelOf(details);
-  if (!model) {
-    return Error{ErrorCode::kUnavailable, "device " + uri + ": " + model.error().message};
+  Result<Rectification> rectification =
+      Rectification::Create(details, options_.stream, options_.calibration);
+  if (!rectification) {
+    return Error{ErrorCode::kUnavailable, "device " + uri + ": " + rectification.error().message};
   }
-  model_ = *model;
+  rectification_ = std::move(rectification).value();
   details_ = details;
-  if (!model_) {
-    details_.note += (details_.note.empty() ? "" : "; ");
-    details_.note += "it does not tell its field of view, and no calibration file does";
-  }
-  undistortion_.clear();
-  if (options_.calibration && options_.distortion && details.has_depth) {
-    undistortion_ = UndistortionMap(*model_, *options_.distortion);
-  }
+  const std::string& lacking = rectification_->note();
+  details_.note += (details.note.empty() || lacking.empty() ? "" : "; ") + lacking;
   clock_.Reset(details.clock_modulus_us);
   first_device_us_.reset();
   last_frame_us_ = fps_since_us_ = api_->MonotonicUs();
@@ -326,19 +286,19 @@ std::optional<CameraFrame> Camera::Convert(const RawFrame& raw, int64_t arrival_
     ReportFault(fault);
     return std::nullopt;
   }
-  SetState(CameraState::kStreaming, details_.note);
   CameraFrame frame;
-  frame.width = details_.width;
-  frame.height = details_.height;
-  frame.model = model_;
-  frame.registered = details_.registered;
   if (raw.depth) frame.depth_mm = DepthMillimetres(*raw.depth, details_);
-  if (!undistortion_.empty()) frame.depth_mm = Undistort(frame.depth_mm, undistortion_);
   frame.device_time_us = raw.depth ? raw.depth->device_time_us : raw.color->device_time_us;
   frame.serial = status_.serial;
   frame.utime = details_.is_recording ? RecordingTime(frame.device_time_us)
                                       : clock_.Update(frame.device_time_us, arrival_utime);
   AddColor(raw, &frame);
+  if (const std::string fault = rectification_->Apply(&frame); !fault.empty()) {
+    ReportFault(fault);
+    return std::nullopt;
+  }
+  const char* separator = details_.note.empty() || raw.fault.empty() ? "" : "; ";
+  SetState(CameraState::kStreaming, details_.note + separator + raw.fault);
   const double offset_us = details_.is_recording
                                ? static_cast<double>(frame.utime - frame.device_time_us)
                                : clock_.offset_us();

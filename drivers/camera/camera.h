@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "common/camera_model.h"
 #include "common/result.h"
+#include "drivers/camera/camera_calibration.h"
 #include "drivers/camera/camera_device.h"
 #include "drivers/camera/camera_frame.h"
 #include "drivers/camera/device_selector.h"
-#include "drivers/camera/undistortion.h"
+#include "drivers/camera/rectification.h"
 #include "drivers/clock/clock_filter.h"
 
 namespace vantage {
@@ -26,8 +26,7 @@ class Camera {
   struct Options {
     DeviceSelector device;
     StreamRequest stream;
-    std::optional<CameraModel> calibration;         ///< instead of the fields of view
-    std::optional<BrownConrady> distortion;         ///< of the calibration; taken out of the depth
+    std::optional<CameraCalibration> calibration;   ///< instead of the fields of view
     std::chrono::milliseconds stall_timeout{1000};  ///< without a frame: stalled; 3 times: reopened
     std::chrono::milliseconds search_interval{500};  ///< between looks at the list of devices
     std::chrono::milliseconds retry_interval{2000};  ///< after a device refused to open
@@ -61,7 +60,6 @@ class Camera {
   [[nodiscard]] std::vector<std::string> Candidates(const std::vector<DeviceListing>& devices);
   Result<void> TryOpen(const std::string& uri);
   Result<void> Adopt(const std::string& uri, const StreamDetails& details);
-  Result<std::optional<CameraModel>> ModelOf(const StreamDetails& details) const;
   [[nodiscard]] std::string NoDeviceMessage(const std::vector<DeviceListing>& devices) const;
   void Close(CameraState state, const std::string& message);
 
@@ -89,10 +87,9 @@ class Camera {
 
   std::unique_ptr<CameraDevice> device_;  // Null while searching.
   StreamDetails details_;
-  std::optional<CameraModel> model_;
-  std::vector<int32_t> undistortion_;  // Empty: none.
-  int64_t last_frame_us_ = 0;          // Monotonic.
-  int64_t fps_since_us_ = 0;           // Monotonic.
+  std::optional<Rectification> rectification_;
+  int64_t last_frame_us_ = 0;  // Monotonic.
+  int64_t fps_since_us_ = 0;   // Monotonic.
   int64_t fps_frames_ = 0;
   int64_t last_index_ = -1;                 // As the device counts; -1: none yet.
   std::optional<int64_t> first_device_us_;  // Of a recording.

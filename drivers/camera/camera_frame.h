@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/camera_model.h"
+#include "common/lens_distortion.h"
 #include "drivers/camera/camera_device.h"
 
 namespace vantage {
@@ -44,6 +45,7 @@ struct CameraFrame {
   int width = 0;                     ///< px, of depth; of color where there is no depth
   int height = 0;                    ///< px, alike
   std::optional<CameraModel> model;  ///< of width x height; nothing: no calibration
+  LensDistortion distortion;         ///< left in the images; only of color without depth
   bool registered = false;           ///< depth and color show the same from pixel to pixel
   std::vector<uint16_t> depth_mm;    ///< width * height values, 0: no measurement; empty: no depth
   std::optional<ColorImage> color;

@@ -116,53 +116,19 @@ TEST(CameraConfig, ARecordingsPathStartsAtTheConfigsFolder) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(CameraCalibration, IsReadWithItsDistortion) {
-  const CalibrationFile file(
-      std::string(kCalibration) +
-      "distortion_model = \"brown_conrady\"\ndistortion = [0.1, -0.2, 0.0, 0.001, 0.0]\n");
-  const Result<CameraCalibration> calibration = LoadCameraCalibration(file.path());
-  ASSERT_TRUE(calibration.ok()) << calibration.error().message;
-  EXPECT_EQ(calibration->model.fy, 571.0);
-  EXPECT_EQ(calibration->distortion, (BrownConrady{0.1, -0.2, 0.0, 0.001, 0.0}));
-  EXPECT_TRUE(calibration->id.ends_with("#" + calibration->id.substr(calibration->id.size() - 16)));
-
-  const Outcome read =
-      Read("[camera.XTION]\ndevice = \"index:0\"\ncalibration = \"" + file.path() + "\"\n");
-  ASSERT_EQ(read.error, "");
-  ASSERT_TRUE(read.config.calibration.has_value());
-  EXPECT_TRUE(read.config.calibration->distortion.has_value());
-}
-
-TEST(CameraCalibration, OfAnotherSizeIsRefused) {
+TEST(CameraConfig, ACalibrationOfAnotherSizeIsRefused) {
   const CalibrationFile file(kCalibration);
   const std::string text = "[camera.XTION]\nwidth_px = 320\nheight_px = 240\ncalibration = \"" +
                            file.path() + "\"\ndevice = ";
   EXPECT_NE(Read(text + "\"index:0\"\n").error.find("is for 640 x 480 px, expected the 320 x 240"),
             std::string::npos);
+  const Outcome fits =
+      Read("[camera.XTION]\ndevice = \"index:0\"\ncalibration = \"" + file.path() + "\"\n");
+  ASSERT_EQ(fits.error, "");
+  ASSERT_TRUE(fits.config.calibration.has_value());
+  EXPECT_EQ(fits.config.calibration->intrinsics.camera.fy, 571.0);
   // A recording has the size that it has.
   EXPECT_EQ(Read(text + "\"oni:x.oni\"\n").error, "");
-}
-
-TEST(CameraCalibration, ErrorsNameFileAndKey) {
-  const struct {
-    std::string text;
-    std::string expected;
-  } cases[] = {
-      {"width_px = 640\n", "height_px"},
-      {std::string(kCalibration) + "k1 = 0.5\n", "k1 = 0.5: unknown key"},
-      {std::string(kCalibration) + "distortion_model = \"fisheye\"\n", "brown_conrady"},
-      {std::string(kCalibration) + "distortion_model = \"brown_conrady\"\n", "distortion"},
-      {std::string(kCalibration) + "distortion = [0, 0, 0, 0, 0]\n", "distortion"},
-      {"no toml", "no valid TOML"},
-  };
-  for (const auto& each : cases) {
-    const CalibrationFile file(each.text);
-    const Result<CameraCalibration> calibration = LoadCameraCalibration(file.path());
-    ASSERT_FALSE(calibration.ok()) << each.text;
-    EXPECT_NE(calibration.error().message.find(file.path()), std::string::npos);
-    EXPECT_NE(calibration.error().message.find(each.expected), std::string::npos)
-        << calibration.error().message;
-  }
 }
 
 }  // namespace

@@ -146,13 +146,13 @@ TEST_F(CameraNodeTest, PublishesImagesInfoAndStatus) {
 // What estimators are told of the camera is true of the depth that they get.
 TEST_F(CameraNodeTest, DistortionIsTakenOutBeforeItIsPublished) {
   CameraCalibration calibration;
-  calibration.model = {.width = FakeHost::kWidth,
-                       .height = FakeHost::kHeight,
-                       .fx = 8.0,
-                       .fy = 8.0,
-                       .cx = 3.5,
-                       .cy = 2.5};
-  calibration.distortion = BrownConrady{1.0, 0.0, 0.0, 0.0, 0.0};
+  calibration.intrinsics.camera = {.width = FakeHost::kWidth,
+                                   .height = FakeHost::kHeight,
+                                   .fx = 8.0,
+                                   .fy = 8.0,
+                                   .cx = 3.5,
+                                   .cy = 2.5};
+  calibration.intrinsics.distortion.k1 = 1.0;
   config_.calibration = calibration;
   Start();
   ASSERT_TRUE(PollUntil([this] {
@@ -162,14 +162,14 @@ TEST_F(CameraNodeTest, DistortionIsTakenOutBeforeItIsPublished) {
   EXPECT_EQ(info.distortion_model, "none");
   const Result<CameraModel> model = CameraFromMessage(info);
   ASSERT_TRUE(model.ok()) << model.error().message;
-  EXPECT_EQ(*model, calibration.model);
+  EXPECT_EQ(*model, calibration.intrinsics.camera);
   const Result<DepthFrame> frame = DepthFrameFromMessage(Images().front());
   ASSERT_TRUE(frame.ok()) << frame.error().message;
   std::vector<uint16_t> taken;  // The fake's pixel i has the depth 500 mm + i.
   for (int i = 0; i < FakeHost::kWidth * FakeHost::kHeight; ++i) {
     taken.push_back(static_cast<uint16_t>(500 + i));
   }
-  const std::vector<int32_t> map = UndistortionMap(calibration.model, *calibration.distortion);
+  const std::vector<int32_t> map = UndistortionMap(calibration.intrinsics);
   EXPECT_EQ(DepthToMillimetres(frame->image), Undistort(taken, map));
   EXPECT_NE(DepthToMillimetres(frame->image), taken);
 }

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "common/format.h"
+#include "nodes/camera_calibration.h"
 #include "nodes/camera_config.h"
 #include "nodes/config_reader.h"
 #include "nodes/extrinsics_config.h"

@@ -2,10 +2,9 @@
 
 #include <charconv>
 #include <cmath>
-#include <string>
 
 #include "common/format.h"
-#include "nodes/camera_config.h"
+#include "nodes/camera_calibration.h"
 #include "perception/model/file_bytes.h"
 
 namespace vantage {
@@ -81,12 +80,7 @@ Result<CameraIntrinsics> ReadIntrinsics(const std::filesystem::path& file) {
   }
   const Result<CameraCalibration> calibration = LoadCameraCalibration(file);
   if (!calibration) return calibration.error();
-  CameraIntrinsics read{calibration->model, {}};
-  if (calibration->distortion) {
-    const auto& k = *calibration->distortion;
-    read.distortion = {k[0], k[1], k[2], k[3], k[4]};
-  }
-  return read;
+  return calibration->intrinsics;
 }
 
 std::string IntrinsicsToml(const CameraIntrinsics& intrinsics) {

@@ -1,17 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
-#include "common/camera_model.h"
-#include "common/lens_distortion.h"
+#include "common/camera_intrinsics.h"
 #include "common/result.h"
 
 namespace vantage {
-
-struct CameraIntrinsics {
-  CameraModel camera;
-  LensDistortion distortion;
-};
 
 /// Reads a calibration file of the camera driver (TOML, docs/drivers.md) or ViSP's XML of a
 /// camera, whose kud becomes k1. Errors: absent, another format, keys that are missing, unknown or

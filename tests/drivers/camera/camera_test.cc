@@ -278,16 +278,16 @@ TEST_F(CameraTest, CalibrationStandsInForTheFieldOfView) {
   GrabFor(0.5);
   EXPECT_NE(message().find("field of view"), std::string::npos);
 
-  CameraModel calibration;
-  calibration.width = FakeHost::kWidth;
-  calibration.height = FakeHost::kHeight;
-  calibration.fx = 7.5;
-  options_.calibration = calibration;
+  CameraModel model;
+  model.width = FakeHost::kWidth;
+  model.height = FakeHost::kHeight;
+  model.fx = 7.5;
+  options_.calibration.emplace().intrinsics.camera = model;
   Create("index:0");
   EXPECT_GT(GrabFor(0.5), 5);
-  EXPECT_EQ(last_.model, calibration);
+  EXPECT_EQ(last_.model, model);
 
-  options_.calibration->width = 640;
+  options_.calibration->intrinsics.camera.width = 640;
   Create("index:0");
   GrabFor(0.5);
   EXPECT_NE(message().find("gives images of 8 x 6 px, expected the 640 x 6 px"), std::string::npos);
