@@ -140,7 +140,7 @@ TEST_P(VividColor, ShowsTheColorBarsWithoutLoss) {
 
 INSTANTIATE_TEST_SUITE_P(Formats,
                          VividColor,
-                         ::testing::Values("YUYV", "UYVY", "GRBG"),
+                         ::testing::Values("YUYV", "UYVY", "GRBG", "RGB3", "BGR3"),
                          [](const auto& test) { return test.param; });
 
 // vivid's picture stands still: what is read from it beside the driver is what the driver shows.
