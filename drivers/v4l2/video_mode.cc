@@ -12,8 +12,10 @@
 namespace vantage {
 namespace {
 
-// A driver that never says "no more" must not be asked for ever.
-constexpr uint32_t kMostEntries = 256;
+// A driver that never says "no more" must not be asked for ever: of all its lists together.
+constexpr int kMostEntries = 4096;
+
+constexpr int kMostUnknown = 8;  // formats that a message names
 
 // 30 Hz also means the 30000/1001 Hz of television.
 constexpr double kRateTolerance = 0.005;
@@ -23,9 +25,10 @@ double RateOf(const v4l2_fract& interval) {
                                  : static_cast<double>(interval.denominator) / interval.numerator;
 }
 
-std::vector<ModeRange> ReadRates(int fd, uint32_t fourcc, uint32_t width, uint32_t height) {
+std::vector<ModeRange> ReadRates(
+    int fd, uint32_t fourcc, uint32_t width, uint32_t height, int* entries_left) {
   std::vector<ModeRange> rates;
-  for (uint32_t i = 0; i < kMostEntries; ++i) {
+  for (uint32_t i = 0; --*entries_left >= 0; ++i) {
     v4l2_frmivalenum query{};
     query.index = i;
     query.pixel_format = fourcc;
@@ -34,7 +37,9 @@ std::vector<ModeRange> ReadRates(int fd, uint32_t fourcc, uint32_t width, uint32
     if (Ioctl(fd, VIDIOC_ENUM_FRAMEINTERVALS, &query) != 0) break;
     if (query.type == V4L2_FRMIVAL_TYPE_DISCRETE) {
       const double rate = RateOf(query.discrete);
-      rates.push_back({rate, rate, 0.0});
+      const ModeRange range{rate, rate, 0.0};
+      if (i > 0 && range == rates.front()) break;  // The list begins again.
+      rates.push_back(range);
       continue;
     }
     // The steps are those of the intervals, between any two of which drivers settle.
@@ -50,16 +55,18 @@ VideoSize FixedSize(uint32_t width, uint32_t height) {
   return {{w, w, 0.0}, {h, h, 0.0}, {}};
 }
 
-std::vector<VideoSize> ReadSizes(int fd, uint32_t fourcc, int width, int height) {
+std::vector<VideoSize> ReadSizes(
+    int fd, uint32_t fourcc, int width, int height, int* entries_left) {
   std::vector<VideoSize> sizes;
-  for (uint32_t i = 0; i < kMostEntries; ++i) {
+  for (uint32_t i = 0; --*entries_left >= 0; ++i) {
     v4l2_frmsizeenum query{};
     query.index = i;
     query.pixel_format = fourcc;
     if (Ioctl(fd, VIDIOC_ENUM_FRAMESIZES, &query) != 0) break;
     if (query.type == V4L2_FRMSIZE_TYPE_DISCRETE) {
       VideoSize size = FixedSize(query.discrete.width, query.discrete.height);
-      size.rates = ReadRates(fd, fourcc, query.discrete.width, query.discrete.height);
+      if (i > 0 && size.width == sizes.front().width && size.height == sizes.front().height) break;
+      size.rates = ReadRates(fd, fourcc, query.discrete.width, query.discrete.height, entries_left);
       sizes.push_back(size);
       continue;
     }
@@ -71,7 +78,8 @@ std::vector<VideoSize> ReadSizes(int fd, uint32_t fourcc, int width, int height)
     size.rates = ReadRates(fd,
                            fourcc,
                            contained ? static_cast<uint32_t>(width) : range.max_width,
-                           contained ? static_cast<uint32_t>(height) : range.max_height);
+                           contained ? static_cast<uint32_t>(height) : range.max_height,
+                           entries_left);
     sizes.push_back(size);
     break;
   }
@@ -112,18 +120,21 @@ bool ModeRange::Contains(double value) const {
 
 std::vector<VideoFormat> ReadVideoFormats(int fd, uint32_t buffer_type, int width, int height) {
   std::vector<VideoFormat> formats;
-  for (uint32_t i = 0; i < kMostEntries; ++i) {
+  int entries_left = kMostEntries;
+  for (uint32_t i = 0; --entries_left >= 0; ++i) {
     v4l2_fmtdesc query{};
     query.index = i;
     query.type = buffer_type;
     if (Ioctl(fd, VIDIOC_ENUM_FMT, &query) != 0) break;
+    if (i > 0 && query.pixelformat == formats.front().fourcc) break;
     query.description[sizeof(query.description) - 1] = '\0';
     std::string description;
     for (const unsigned char* c = query.description; *c != '\0'; ++c) {
       if (*c >= ' ' && *c <= '~') description += static_cast<char>(*c);
     }
-    formats.push_back(
-        {query.pixelformat, description, ReadSizes(fd, query.pixelformat, width, height)});
+    formats.push_back({query.pixelformat,
+                       description,
+                       ReadSizes(fd, query.pixelformat, width, height, &entries_left)});
   }
   return formats;
 }
@@ -166,10 +177,12 @@ std::string RatesText(const VideoSize& size) {
 
 std::string FormatsText(const std::vector<VideoFormat>& formats) {
   std::string text;
+  std::string unknown;
   int num_unknown = 0;
   for (const VideoFormat& format : formats) {
     if (FindPixelFormat(format.fourcc) == nullptr) {
-      ++num_unknown;
+      // Some devices have sixty.
+      if (num_unknown++ < kMostUnknown) unknown.append(" ").append(FourccText(format.fourcc));
       continue;
     }
     std::string sizes;
@@ -181,7 +194,8 @@ std::string FormatsText(const std::vector<VideoFormat>& formats) {
     if (!sizes.empty()) text += " (" + sizes + ")";
   }
   if (text.empty()) text = "none";
-  if (num_unknown > 0) text += Format("; it has %d more that are not known here", num_unknown);
+  if (num_unknown > 0) text += "; not known here:" + unknown;
+  if (num_unknown > kMostUnknown) text += Format(" and %d more", num_unknown - kMostUnknown);
   return text;
 }
 

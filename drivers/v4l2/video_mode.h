@@ -17,6 +17,7 @@ struct ModeRange {
   double step = 0.0;
 
   [[nodiscard]] bool Contains(double value) const;
+  bool operator==(const ModeRange&) const = default;
 };
 
 /// Image sizes, and the rates at which they come.
