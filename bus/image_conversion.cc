@@ -7,12 +7,15 @@
 
 #include "bus/message_time.h"
 #include "common/check.h"
+#include "common/depth_codec/depth_decoder.h"
+#include "common/depth_codec/depth_encoder.h"
 #include "common/format.h"
 
 namespace vantage {
 namespace {
 
 constexpr size_t kMaxZlibRatio = 1032;  // deflate never expands more (zlib's technical notes)
+static_assert(kMaxImageSide <= kMaxDepthSide);
 
 Error Malformed(const image_t& image, const std::string& expected) {
   return {ErrorCode::kCorrupt,
@@ -69,7 +72,41 @@ const image_metadata_t* FindMetadata(const image_t& image, const std::string& ke
   return found == image.metadata.end() ? nullptr : &*found;
 }
 
-Result<DepthImage> DepthFromImage(const image_t& image, bool zipped) {
+bool IsDepth(int16_t type) {
+  return type == images_t::DEPTH_MM || type == images_t::DEPTH_MM_ZIPPED ||
+         type == images_t::DEPTH_MM_VDC;
+}
+
+DepthImage FromMillimetres(int width, int height, const uint8_t* bytes, size_t stride) {
+  DepthImage depth(width, height);
+  for (size_t v = 0; v < static_cast<size_t>(height); ++v) {
+    float* row = &depth.depth[v * static_cast<size_t>(width)];
+    for (size_t u = 0; u < static_cast<size_t>(width); ++u) {
+      const uint16_t millimetres = LoadLittleEndian16(bytes + v * stride + 2 * u);
+      row[u] = millimetres != 0 ? 1e-3F * static_cast<float>(millimetres) : DepthImage::kInvalid;
+    }
+  }
+  return depth;
+}
+
+// Its buffers are kept for the thread's next image.
+Result<DepthImage> DepthFromVdc(const image_t& image) {
+  thread_local DepthDecoder decoder;
+  thread_local std::vector<uint16_t> millimetres;
+  const Result<void> decoded = decoder.Decode(image.data, image.width, image.height, &millimetres);
+  if (!decoded) return decoded.error();
+  return FromMillimetres(image.width,
+                         image.height,
+                         reinterpret_cast<const uint8_t*>(millimetres.data()),
+                         2 * static_cast<size_t>(image.width));
+}
+
+std::vector<uint8_t> EncodeVdc(int width, int height, std::span<const uint16_t> millimetres) {
+  thread_local DepthEncoder encoder;
+  return encoder.Encode(width, height, millimetres);
+}
+
+Result<DepthImage> DepthFromImage(const image_t& image, int16_t type) {
   if (image.width < 1 || image.height < 1 || image.width > kMaxImageSide ||
       image.height > kMaxImageSide) {
     return Malformed(image, Format("sides of 1 to %d px", kMaxImageSide));
@@ -78,24 +115,19 @@ Result<DepthImage> DepthFromImage(const image_t& image, bool zipped) {
   const size_t height = static_cast<size_t>(image.height);
   const size_t row = 2 * width;
   const size_t stride = image.row_stride < 0 ? 0 : static_cast<size_t>(image.row_stride);
+  if (type == images_t::DEPTH_MM) {
+    if (stride < row || image.data.size() != stride * height) {
+      return Malformed(image, Format("a row stride of %zu or more, times height in bytes", row));
+    }
+    return FromMillimetres(image.width, image.height, image.data.data(), stride);
+  }
+  if (stride != row) return Malformed(image, Format("a row stride of %zu", row));
+  if (type == images_t::DEPTH_MM_VDC) return DepthFromVdc(image);
   std::vector<uint8_t> inflated;
-  if (zipped) {
-    if (stride != row) return Malformed(image, Format("a row stride of %zu", row));
-    if (!Inflate(image.data, row * height, &inflated)) {
-      return Malformed(image, Format("a zlib stream of exactly %zu bytes", row * height));
-    }
-  } else if (stride < row || image.data.size() != stride * height) {
-    return Malformed(image, Format("a row stride of %zu or more, times height in bytes", row));
+  if (!Inflate(image.data, row * height, &inflated)) {
+    return Malformed(image, Format("a zlib stream of exactly %zu bytes", row * height));
   }
-  const std::vector<uint8_t>& bytes = zipped ? inflated : image.data;
-  DepthImage depth(image.width, image.height);
-  for (size_t v = 0; v < height; ++v) {
-    for (size_t u = 0; u < width; ++u) {
-      const uint16_t millimetres = LoadLittleEndian16(&bytes[v * stride + 2 * u]);
-      if (millimetres != 0) depth.depth[v * width + u] = 1e-3F * static_cast<float>(millimetres);
-    }
-  }
-  return depth;
+  return FromMillimetres(image.width, image.height, inflated.data(), row);
 }
 
 }  // namespace
@@ -106,10 +138,9 @@ Result<DepthFrame> DepthFrameFromMessage(const images_t& message) {
   }
   const size_t num_images = std::min(message.images.size(), message.image_types.size());
   for (size_t i = 0; i < num_images; ++i) {
-    const bool zipped = message.image_types[i] == images_t::DEPTH_MM_ZIPPED;
-    if (!zipped && message.image_types[i] != images_t::DEPTH_MM) continue;
+    if (!IsDepth(message.image_types[i])) continue;
     const image_t& image = message.images[i];
-    Result<DepthImage> depth = DepthFromImage(image, zipped);
+    Result<DepthImage> depth = DepthFromImage(image, message.image_types[i]);
     if (!depth) return depth.error();
     DepthFrame frame{.utime = message.utime,
                      .seq = ImageSeq(image),
@@ -121,10 +152,11 @@ Result<DepthFrame> DepthFrameFromMessage(const images_t& message) {
     return frame;
   }
   return Error{ErrorCode::kNotFound,
-               Format("images_t with %zu images has no depth, expected one of type %d or %d",
+               Format("images_t with %zu images has no depth, expected one of type %d, %d or %d",
                       num_images,
                       images_t::DEPTH_MM,
-                      images_t::DEPTH_MM_ZIPPED)};
+                      images_t::DEPTH_MM_ZIPPED,
+                      images_t::DEPTH_MM_VDC)};
 }
 
 images_t DepthToMessage(int width,
@@ -143,14 +175,25 @@ images_t DepthToMessage(int width,
   image.height = height;
   image.row_stride = 2 * width;
   image.pixelformat = image_t::PIXEL_FORMAT_INVALID;
-  image.data = ToBytes(millimetres);
-  if (compression == DepthCompression::kZlib) image.data = Deflate(image.data);
+  int16_t type = images_t::DEPTH_MM;
+  switch (compression) {
+    case DepthCompression::kNone:
+      image.data = ToBytes(millimetres);
+      break;
+    case DepthCompression::kZlib:
+      type = images_t::DEPTH_MM_ZIPPED;
+      image.data = Deflate(ToBytes(millimetres));
+      break;
+    case DepthCompression::kVdc:
+      type = images_t::DEPTH_MM_VDC;
+      image.data = EncodeVdc(width, height, millimetres);
+      break;
+  }
   AppendIdentity(seq, serial, &image);
 
   images_t message{};
   message.utime = utime;
-  const bool zipped = compression == DepthCompression::kZlib;
-  AppendImage(zipped ? images_t::DEPTH_MM_ZIPPED : images_t::DEPTH_MM, std::move(image), &message);
+  AppendImage(type, std::move(image), &message);
   return message;
 }
 

@@ -20,7 +20,7 @@ struct DepthFrame {
 
 inline constexpr int kMaxImageSide = 4096;  ///< px
 
-/// The first image of type DEPTH_MM or DEPTH_MM_ZIPPED.
+/// The first image of type DEPTH_MM, DEPTH_MM_ZIPPED or DEPTH_MM_VDC.
 /// Errors: as CheckUtime; none there; a side outside 1..kMaxImageSide; a row stride or number of
 /// bytes that does not belong to the size; a compressed stream that does not hold exactly the
 /// image.
@@ -29,9 +29,12 @@ Result<DepthFrame> DepthFrameFromMessage(const images_t& message);
 enum class DepthCompression {
   kNone,  ///< DEPTH_MM
   kZlib,  ///< DEPTH_MM_ZIPPED, level 1
+  kVdc,   ///< DEPTH_MM_VDC, the depth codec of common/depth_codec
 };
 
 /// @param millimetres width * height values, 0 where there is no measurement.
+/// @param compression with kVdc the thread keeps an encoder, whose bytes depend on the images
+///   before. Sides are then 1..kMaxDepthSide.
 images_t DepthToMessage(int width,
                         int height,
                         std::span<const uint16_t> millimetres,

@@ -55,6 +55,7 @@ void DepthToWire(benchmark::State& state, DepthCompression compression) {
   state.counters["kilobytes"] = 1e-3 * static_cast<double>(bytes);
 }
 BENCHMARK_CAPTURE(DepthToWire, zlib1, DepthCompression::kZlib)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(DepthToWire, vdc, DepthCompression::kVdc)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(DepthToWire, none, DepthCompression::kNone)->Unit(benchmark::kMillisecond);
 
 void DepthFromWire(benchmark::State& state, DepthCompression compression) {
@@ -67,6 +68,7 @@ void DepthFromWire(benchmark::State& state, DepthCompression compression) {
   }
 }
 BENCHMARK_CAPTURE(DepthFromWire, zlib1, DepthCompression::kZlib)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(DepthFromWire, vdc, DepthCompression::kVdc)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(DepthFromWire, none, DepthCompression::kNone)->Unit(benchmark::kMillisecond);
 
 void FrameCopy(benchmark::State& state) {

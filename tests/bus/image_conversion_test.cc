@@ -71,9 +71,17 @@ TEST_P(DepthConversion, RefusesTimesThatAreNone) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Both,
+INSTANTIATE_TEST_SUITE_P(All,
                          DepthConversion,
-                         testing::Values(DepthCompression::kNone, DepthCompression::kZlib));
+                         testing::Values(DepthCompression::kNone,
+                                         DepthCompression::kZlib,
+                                         DepthCompression::kVdc));
+
+TEST(ImageConversion, TypesAreThoseOfTheWire) {
+  EXPECT_EQ(SomeMessage(DepthCompression::kNone).image_types[0], 4);
+  EXPECT_EQ(SomeMessage(DepthCompression::kZlib).image_types[0], 6);
+  EXPECT_EQ(SomeMessage(DepthCompression::kVdc).image_types[0], 100);
+}
 
 TEST(ImageConversion, RawRowsMayBePadded) {
   images_t message = SomeMessage(DepthCompression::kNone);
@@ -92,12 +100,15 @@ TEST(ImageConversion, RawRowsMayBePadded) {
 }
 
 TEST(ImageConversion, RefusesDamagedStreams) {
-  for (size_t i = 0; i < SomeMessage(DepthCompression::kZlib).images[0].data.size(); ++i) {
-    images_t message = SomeMessage(DepthCompression::kZlib);
-    message.images[0].data[i] ^= 0x55;
-    const Result<DepthFrame> frame = DepthFrameFromMessage(message);
-    // zlib's checksum finds whatever still inflates to the right size.
-    EXPECT_FALSE(frame.ok()) << i;
+  for (const DepthCompression compression : {DepthCompression::kZlib, DepthCompression::kVdc}) {
+    const images_t sound = SomeMessage(compression);
+    for (size_t i = 0; i < sound.images[0].data.size(); ++i) {
+      images_t message = sound;
+      message.images[0].data[i] ^= 0x55;
+      const Result<DepthFrame> frame = DepthFrameFromMessage(message);
+      // A checksum finds whatever still gives the right size.
+      EXPECT_FALSE(frame.ok()) << i;
+    }
   }
 }
 

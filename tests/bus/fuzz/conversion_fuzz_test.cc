@@ -68,7 +68,8 @@ TEST(ConversionFuzz, Cameras) {
 
 TEST(ConversionFuzz, Images) {
   const std::vector<uint16_t> depth(12, 700);
-  for (const DepthCompression compression : {DepthCompression::kNone, DepthCompression::kZlib}) {
+  for (const DepthCompression compression :
+       {DepthCompression::kNone, DepthCompression::kZlib, DepthCompression::kVdc}) {
     const images_t sound = DepthToMessage(4, 3, depth, 1, 2, "S", compression);
     const int refused = CountRefused(sound, [](const images_t& message) {
       const Result<DepthFrame> frame = DepthFrameFromMessage(message);
