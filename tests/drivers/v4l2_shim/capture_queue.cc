@@ -94,8 +94,9 @@ void CaptureQueue::Fill(const Device& device, Buffer* buffer) {
   buffer->sequence = static_cast<uint32_t>(next_frame_ - num_stalled_);
   buffer->stamp_us = next_ns() / 1000;
   buffer->error = device.Fault("error_flag", next_frame_) != nullptr;
-  if (device.Fault("corrupt", next_frame_) != nullptr) {
-    for (uint32_t i = 2; i < buffer->bytes_used; i += 3) buffer->memory[i] ^= 0xFF;
+  if (const FrameFault* fault = device.Fault("corrupt", next_frame_)) {
+    for (uint32_t i = static_cast<uint32_t>(fault->value); i < buffer->bytes_used; i += 3)
+      buffer->memory[i] ^= 0xFF;
   }
   if (const FrameFault* fault = device.Fault("bytesused", next_frame_)) {
     buffer->bytes_used = static_cast<uint32_t>(fault->value);

@@ -12,6 +12,7 @@
 //   stepwise FOURCC WxH WxH STEP R...      all sizes from one to the other
 //   control NAME MIN MAX STEP INITIAL      a name of control_table.cc
 //   frames FILE              raw frames of the image's size, in turn, instead of the pattern
+//   padding N                N bytes after each row
 //   jpeg_tables no           JPEGs without Huffman tables, as many webcams send them
 //   fail CALL ERRNO [TIMES]  OPEN, MMAP, DQBUF, S_FMT...: fails, TIMES times or always
 //   override FIELD VALUE     the device answers this for: width, height, pixelformat, bytesperline,
@@ -23,7 +24,7 @@
 //     drop                   is counted but does not come
 //     bytesused V            is told to have V bytes
 //     error_flag             is marked V4L2_BUF_FLAG_ERROR
-//     corrupt                has every third byte inverted
+//     corrupt V              has every third byte from number V on inverted
 //     sequence V             has V added to its number
 //     stamp V                has V us added to its stamp
 //     stamp_still            has the first frame's stamp
@@ -126,13 +127,12 @@ FrameFault ReadFault(const Words& words) {
   static const std::set<std::string> kPlain = {"stall",
                                                "drop",
                                                "error_flag",
-                                               "corrupt",
                                                "stamp_still",
                                                "poll_error",
                                                "poll_hangup",
                                                "endless",
                                                "unterminated"};
-  static const std::set<std::string> kWithValue = {"bytesused", "sequence", "stamp"};
+  static const std::set<std::string> kWithValue = {"bytesused", "corrupt", "sequence", "stamp"};
   Expect(words, 2);
   FrameFault fault;
   fault.name = words[1];
@@ -199,6 +199,8 @@ void ReadLine(const std::string& line, const Words& words, Device* device) {
     device->speed = std::stod(words[1]);
   } else if (key == "jpeg_tables") {
     device->jpeg_tables = words[1] != "no";
+  } else if (key == "padding") {
+    device->padding_bytes = Number(words[1]);
   } else if (key == "frames") {
     device->frames_file = rest;
   } else if (key == "format" || key == "stepwise") {

@@ -74,7 +74,8 @@ struct Device {
   int index = 0;       ///< of the node within its USB device
   double speed = 1.0;  ///< frames come so many times as often as the rate says
   bool jpeg_tables = true;
-  std::string frames_file;  ///< raw frames of the image's size, shown in turn; empty: a pattern
+  uint32_t padding_bytes = 0;  ///< after each row
+  std::string frames_file;     ///< raw frames of the image's size, shown in turn; empty: a pattern
   std::vector<FormatMode> formats;
   std::vector<ControlValue> controls;
   std::vector<FrameFault> faults;

@@ -181,7 +181,8 @@ int EmulatedFile::RequestBuffers(const Device& device, v4l2_requestbuffers* requ
   if (count > 0) count = device.Answer("buffer_count", std::min(std::max(count, 2U), kMostBuffers));
   request->count = count;
   const DeviceState state = LoadState(root_, device);
-  queue_.Allocate(count, SizeImage(state.fourcc, state.width, state.height));
+  queue_.Allocate(std::min(count, kMostBuffers),
+                  SizeImage(device, state.fourcc, state.width, state.height));
   if (count == 0) GiveUpOwnership();
   return 0;
 }

@@ -84,8 +84,10 @@ void FillPixelFormat(const DeviceState& state, const Device& device, v4l2_pix_fo
   pix->height = device.Answer("height", state.height);
   pix->pixelformat = device.Answer("pixelformat", state.fourcc);
   pix->field = V4L2_FIELD_NONE;
-  pix->bytesperline = device.Answer("bytesperline", BytesPerLine(state.fourcc, state.width));
-  pix->sizeimage = device.Answer("sizeimage", SizeImage(state.fourcc, state.width, state.height));
+  pix->bytesperline =
+      device.Answer("bytesperline", BytesPerLine(device, state.fourcc, state.width));
+  pix->sizeimage =
+      device.Answer("sizeimage", SizeImage(device, state.fourcc, state.width, state.height));
   pix->colorspace = V4L2_COLORSPACE_SRGB;
   pix->priv = V4L2_PIX_FMT_PRIV_MAGIC;
 }

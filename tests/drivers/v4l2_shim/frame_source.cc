@@ -156,6 +156,28 @@ Bytes Draw(const Device& device, uint32_t fourcc, int width, int height, int pha
   }
 }
 
+uint32_t RowBytes(uint32_t fourcc, uint32_t width) {
+  switch (fourcc) {
+    case V4L2_PIX_FMT_GREY:
+    case V4L2_PIX_FMT_SGRBG8:
+      return width;
+    case V4L2_PIX_FMT_Y10BPACK:
+      return static_cast<uint32_t>(uint64_t{width} * 10 / 8);
+    default:
+      return 2 * width;
+  }
+}
+
+Bytes WithPadding(const Bytes& frame, size_t row_bytes, size_t padding) {
+  constexpr uint8_t kPadding = 0xA5;
+  Bytes padded;
+  for (size_t i = 0; i < frame.size(); i += row_bytes) {
+    padded.insert(padded.end(), &frame[i], &frame[i] + row_bytes);
+    padded.insert(padded.end(), padding, kPadding);
+  }
+  return padded;
+}
+
 std::vector<Bytes> ReadFrames(const std::string& file, size_t frame_bytes) {
   std::ifstream stream(file, std::ios::binary);
   const Bytes all((std::istreambuf_iterator<char>(stream)), {});
@@ -169,23 +191,14 @@ std::vector<Bytes> ReadFrames(const std::string& file, size_t frame_bytes) {
 
 }  // namespace
 
-uint32_t BytesPerLine(uint32_t fourcc, uint32_t width) {
-  switch (fourcc) {
-    case V4L2_PIX_FMT_MJPEG:
-      return 0;
-    case V4L2_PIX_FMT_GREY:
-    case V4L2_PIX_FMT_SGRBG8:
-      return width;
-    case V4L2_PIX_FMT_Y10BPACK:
-      return static_cast<uint32_t>(uint64_t{width} * 10 / 8);
-    default:
-      return 2 * width;
-  }
+uint32_t BytesPerLine(const Device& device, uint32_t fourcc, uint32_t width) {
+  if (fourcc == V4L2_PIX_FMT_MJPEG) return 0;
+  return RowBytes(fourcc, width) + device.padding_bytes;
 }
 
-uint32_t SizeImage(uint32_t fourcc, uint32_t width, uint32_t height) {
+uint32_t SizeImage(const Device& device, uint32_t fourcc, uint32_t width, uint32_t height) {
   if (fourcc == V4L2_PIX_FMT_MJPEG) return 2 * width * height + 4096;
-  return BytesPerLine(fourcc, width) * height;
+  return BytesPerLine(device, fourcc, width) * height;
 }
 
 std::vector<Bytes> DrawFrames(const Device& device,
@@ -193,13 +206,17 @@ std::vector<Bytes> DrawFrames(const Device& device,
                               uint32_t width,
                               uint32_t height) {
   if (!device.frames_file.empty()) {
-    return ReadFrames(device.frames_file, SizeImage(fourcc, width, height));
+    return ReadFrames(device.frames_file, SizeImage(device, fourcc, width, height));
   }
   std::vector<Bytes> frames;
   if (width == 0 || height == 0 || width > kLargestSide || height > kLargestSide) return frames;
   for (int phase = 0; phase < kNumPhases; ++phase) {
     Bytes frame = Draw(device, fourcc, static_cast<int>(width), static_cast<int>(height), phase);
-    if (!frame.empty()) frames.push_back(std::move(frame));
+    if (frame.empty()) return frames;
+    if (fourcc != V4L2_PIX_FMT_MJPEG && device.padding_bytes > 0) {
+      frame = WithPadding(frame, RowBytes(fourcc, width), device.padding_bytes);
+    }
+    frames.push_back(std::move(frame));
   }
   return frames;
 }
