@@ -19,10 +19,10 @@
 
 #include "common/format.h"
 #include "nodes/camera_calibration.h"
-#include "nodes/camera_config.h"
 #include "nodes/config_reader.h"
 #include "nodes/extrinsics_config.h"
 #include "nodes/fusion_config.h"
+#include "nodes/openni2_config.h"
 #include "nodes/ppf_config.h"
 #include "nodes/process.h"
 #include "nodes/shot_config.h"
@@ -169,9 +169,7 @@ const std::map<std::string, ReadConfig>& Readers() {
          return Finish(config);
        }},
       {"vantage-openni2",
-       [](ConfigReader& config) {
-         return Finish(config, ReadCameraConfig(config, "openni2", "openni2"));
-       }},
+       [](ConfigReader& config) { return Finish(config, ReadOpenni2Config(config, "openni2")); }},
       {"vantage-v4l2",
        [](ConfigReader& config) { return Finish(config, ReadV4l2Config(config, "v4l2")); }},
       {"vantage-ppf", [](ConfigReader& config) { return Finish(config, ReadPpfConfig(config)); }},
