@@ -71,6 +71,13 @@ PixelLayout ReadColorLayout(ConfigReader::Table& table) {
   return layout == "gray" ? PixelLayout::kGray8 : PixelLayout::kJpeg;
 }
 
+DepthCompression ReadCompression(ConfigReader::Table& table) {
+  std::string compression = "vdc";
+  table.ReadChoice("compression", &compression, {"vdc", "zlib", "none"});
+  if (compression == "vdc") return DepthCompression::kVdc;
+  return compression == "zlib" ? DepthCompression::kZlib : DepthCompression::kNone;
+}
+
 void ReadControls(ConfigReader::Table& table, CameraConfig* config) {
   if (!table.Has("controls")) return;
   ConfigReader::Table controls = table.Sub("controls");
@@ -89,9 +96,7 @@ void ReadStream(ConfigReader::Table& table, CameraConfig* config) {
   config->stream.registration = ReadRegistration(table);
   table.Read("stall_timeout_s", &config->stall_timeout_s, 0.1, 60.0);
   table.Read("rate_hz", &config->rate_hz, 0.0, 1000.0);
-  std::string compression = "zlib";
-  table.ReadChoice("compression", &compression, {"zlib", "none"});
-  config->compression = compression == "zlib" ? DepthCompression::kZlib : DepthCompression::kNone;
+  config->compression = ReadCompression(table);
   ReadControls(table, config);
 }
 

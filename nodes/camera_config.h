@@ -19,7 +19,7 @@ struct CameraConfig {
   StreamRequest stream;
   double stall_timeout_s = 1.0;  ///< s without a frame
   double rate_hz = 10.0;         ///< published at most; 0: every frame
-  DepthCompression compression = DepthCompression::kZlib;
+  DepthCompression compression = DepthCompression::kVdc;
   std::map<std::string, int64_t> controls;  ///< the device's settings by its names, in its units
   std::optional<CameraCalibration> calibration;
 };

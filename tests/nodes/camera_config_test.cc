@@ -49,7 +49,7 @@ TEST(CameraConfig, DefaultsSuitAnXtion) {
   EXPECT_EQ(read.config.stream.width, 640);
   EXPECT_EQ(read.config.stream.fps, 30);
   EXPECT_EQ(read.config.rate_hz, 10.0);
-  EXPECT_EQ(read.config.compression, DepthCompression::kZlib);
+  EXPECT_EQ(read.config.compression, DepthCompression::kVdc);
   EXPECT_FALSE(read.config.calibration.has_value());
 }
 
@@ -91,7 +91,7 @@ TEST(CameraConfig, ErrorsNameTheKeyAndTheBound) {
       {device + "width_px = 100000\n", "camera.XTION.width_px = 100000"},
       {device + "rate_hz = -1.0\n", "camera.XTION.rate_hz"},
       {device + "stall_timeout_s = 0.0\n", "camera.XTION.stall_timeout_s"},
-      {device + "compression = \"png\"\n", "expected one of \"zlib\" \"none\""},
+      {device + "compression = \"png\"\n", "expected one of \"vdc\" \"zlib\" \"none\""},
       {device + "color = 1\n", "expected true or false"},
       {device + "calibration = \"/no/such.toml\"\n", "calibration file /no/such.toml is not there"},
   };

@@ -127,7 +127,7 @@ TEST_F(CameraNodeTest, PublishesImagesInfoAndStatus) {
     EXPECT_EQ(frame->serial, "A");
     EXPECT_EQ(frame->image.width, FakeHost::kWidth);
     EXPECT_FLOAT_EQ(frame->image.depth[3], 0.503F);
-    EXPECT_EQ(message.image_types[0], images_t::DEPTH_MM_ZIPPED);
+    EXPECT_EQ(message.image_types[0], images_t::DEPTH_MM_VDC);
   }
   const camera_info_t info = bus_.Published<camera_info_t>("CAMERA_XTION_INFO").front();
   const Result<CameraModel> model = CameraFromMessage(info);
