@@ -49,8 +49,8 @@ Result<Rectification> Rectification::Create(const StreamDetails& details,
   made.width_ = details.width;
   made.height_ = details.height;
   if (Result<void> found = made.FindModel(details, calibration); !found) return found.error();
-  made.PlanUndistortion(details, request, calibration);
   made.PlanRegistration(details, request, calibration);
+  made.PlanUndistortion(details, request, calibration);
   return made;
 }
 
@@ -85,24 +85,6 @@ Result<void> Rectification::FindModel(const StreamDetails& details,
   return model_->Validate();
 }
 
-void Rectification::PlanUndistortion(const StreamDetails& details,
-                                     const StreamRequest& request,
-                                     const std::optional<CameraCalibration>& calibration) {
-  const CameraIntrinsics* intrinsics = MainIntrinsics(details, calibration);
-  if (details.has_depth && intrinsics != nullptr && !intrinsics->distortion.IsNone()) {
-    depth_map_ = UndistortionMap(*intrinsics);
-  }
-  const CameraIntrinsics* color = ColorIntrinsics(details, calibration);
-  if (color == nullptr) return;
-  color_ = *color;
-  if (color->distortion.IsNone()) return;
-  if (request.color_layout == PixelLayout::kJpeg) {
-    if (details.has_depth) AddNote("color comes as JPEG images, so its distortion stays in it");
-  } else if (request.registration != Registration::kColorToDepth) {
-    color_undistortion_.emplace(*color);
-  }
-}
-
 void Rectification::PlanRegistration(const StreamDetails& details,
                                      const StreamRequest& request,
                                      const std::optional<CameraCalibration>& calibration) {
@@ -120,7 +102,6 @@ void Rectification::PlanRegistration(const StreamDetails& details,
   } else if (to_color) {
     depth_to_color_.emplace(
         calibration->intrinsics, calibration->color->camera, *calibration->T_color_depth);
-    depth_map_.clear();
     model_ = calibration->color->camera;
     width_ = model_->width;
     height_ = model_->height;
@@ -128,6 +109,25 @@ void Rectification::PlanRegistration(const StreamDetails& details,
   } else {
     color_to_depth_.emplace(*model_, *calibration->color, *calibration->T_color_depth);
     registered_ = true;
+  }
+}
+
+void Rectification::PlanUndistortion(const StreamDetails& details,
+                                     const StreamRequest& request,
+                                     const std::optional<CameraCalibration>& calibration) {
+  const CameraIntrinsics* intrinsics = MainIntrinsics(details, calibration);
+  if (details.has_depth && intrinsics != nullptr && !intrinsics->distortion.IsNone() &&
+      !depth_to_color_) {
+    depth_map_ = UndistortionMap(*intrinsics);
+  }
+  const CameraIntrinsics* color = ColorIntrinsics(details, calibration);
+  if (color == nullptr) return;
+  color_ = *color;
+  if (color->distortion.IsNone()) return;
+  if (request.color_layout == PixelLayout::kJpeg) {
+    if (details.has_depth) AddNote("color comes as JPEG images, so its distortion stays in it");
+  } else if (!color_to_depth_) {
+    color_undistortion_.emplace(*color);
   }
 }
 
