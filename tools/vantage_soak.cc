@@ -135,7 +135,7 @@ Result<void> Send(const Arguments& arguments, const std::vector<Frame>& frames) 
                                             (*bus)->NowUtime(),
                                             seq,
                                             "SOAK",
-                                            DepthCompression::kZlib);
+                                            DepthCompression::kVdc);
     if (Result<void> sent = (*bus)->Publish(kChannel, message); !sent) return sent;
   }
   return {};
