@@ -1,9 +1,11 @@
 #include "drivers/openni2/oni_recording.h"
 
 #include <sys/resource.h>
-#include <unistd.h>
+#include <sys/types.h>
 
 #include <chrono>
+#include <cstdlib>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -25,6 +27,25 @@ int64_t FileSize(const std::filesystem::path& file) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   return error ? -1 : static_cast<int64_t>(size);
+}
+
+// Of this process.
+std::set<pid_t> Threads() {
+  std::set<pid_t> threads;
+  std::error_code error;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task", error)) {
+    threads.insert(std::atoi(task.path().filename().c_str()));
+  }
+  return threads;
+}
+
+// Of the thread that came since, which is the recorder's. (One made for the purpose could pass its
+// own on; but OpenNI2 crashes once a thread that ever called it has ended and a new one calls it.)
+void LowerPriority(const std::set<pid_t>& before) {
+  std::set<pid_t> after = Threads();
+  std::erase_if(after, [&before](pid_t thread) { return before.contains(thread); });
+  if (after.size() != 1) return;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(*after.begin()), kLowPriority);
 }
 
 }  // namespace
@@ -67,12 +88,9 @@ Result<std::unique_ptr<OniRecording>> OniRecording::Open(const RecordTarget& tar
   if (std::string trouble = recording->Trouble(); !trouble.empty()) {
     return Error{ErrorCode::kIo, std::move(trouble)};
   }
-  // The recorder's thread inherits the priority of the one that makes it.
-  openni::Status created = openni::STATUS_ERROR;
-  std::thread([&] {
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowPriority);
-    created = recording->recorder_.create(file.c_str());
-  }).join();
+  const std::set<pid_t> threads = Threads();
+  const openni::Status created = recording->recorder_.create(file.c_str());
+  LowerPriority(threads);
   if (created != openni::STATUS_OK || recording->recorder_.attach(depth) != openni::STATUS_OK ||
       (color.isValid() && recording->recorder_.attach(color) != openni::STATUS_OK)) {
     return Error{ErrorCode::kIo,
