@@ -1,25 +1,11 @@
 #include "nodes/v4l2_node.h"
 
-#include <string_view>
-
 #include "drivers/v4l2/device_report.h"
 #include "drivers/v4l2/v4l2_api.h"
 #include "nodes/camera_node.h"
 #include "nodes/v4l2_config.h"
 
 namespace vantage {
-namespace {
-
-// The node or link that the configuration names; empty: it names none.
-std::string PathOf(const DeviceSelector& device) {
-  constexpr std::string_view kPath = "path:";
-  if (device.kind == DeviceSelector::Kind::kUri) return device.value;
-  const bool is_path =
-      device.kind == DeviceSelector::Kind::kAlias && device.value.starts_with(kPath);
-  return is_path ? device.value.substr(kPath.size()) : std::string();
-}
-
-}  // namespace
 
 Result<std::unique_ptr<Node>> MakeV4l2Node(Bus& bus,
                                            ConfigReader& config,
@@ -29,10 +15,8 @@ Result<std::unique_ptr<Node>> MakeV4l2Node(Bus& bus,
   IgnoreTablesOfOthers(config);
   // Before any hardware is touched.
   if (Result<void> finished = config.Finish(); !finished) return finished.error();
-  return MakeCameraNode(bus,
-                        read->camera,
-                        options.name,
-                        std::make_unique<V4l2Api>(read->v4l2, PathOf(read->camera.device)));
+  return MakeCameraNode(
+      bus, read->camera, options.name, std::make_unique<V4l2Api>(read->v4l2, read->camera.device));
 }
 
 Result<std::string> ListV4l2Devices() { return ReportVideoDevices({}); }

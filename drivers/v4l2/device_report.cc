@@ -119,7 +119,7 @@ std::string Report(const VideoNode& node, size_t index) {
 }  // namespace
 
 std::string ReportVideoDevices(const VideoRoots& roots) {
-  V4l2Api api({}, "", roots);
+  V4l2Api api({}, {}, roots);
   const std::vector<DeviceListing> listing = api.List();
   std::string text;
   for (const VideoNode& node : ListVideoNodes(roots)) {

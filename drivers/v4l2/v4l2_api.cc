@@ -10,6 +10,7 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include "drivers/v4l2/v4l2_device.h"
@@ -19,6 +20,21 @@ namespace vantage {
 namespace {
 
 namespace fs = std::filesystem;
+
+// The node or link that is asked for; empty: another kind of name.
+std::string PathOf(const DeviceSelector& device) {
+  constexpr std::string_view kPath = "path:";
+  if (device.kind == DeviceSelector::Kind::kUri) return device.value;
+  const bool is_path =
+      device.kind == DeviceSelector::Kind::kAlias && device.value.starts_with(kPath);
+  return is_path ? device.value.substr(kPath.size()) : std::string();
+}
+
+// Whether it names a device with all its nodes.
+bool MeansAllNodes(const DeviceSelector& device) {
+  return device.kind == DeviceSelector::Kind::kSerial ||
+         (device.kind == DeviceSelector::Kind::kAlias && device.value.starts_with("bus:"));
+}
 
 // Reads what inotify tells. True: something happened to a video device's node.
 bool SawVideoNode(int watch) {
@@ -37,9 +53,10 @@ bool SawVideoNode(int watch) {
 
 }  // namespace
 
-V4l2Api::V4l2Api(const V4l2Options& options, const std::string& path, const VideoRoots& roots)
+V4l2Api::V4l2Api(const V4l2Options& options, const DeviceSelector& device, const VideoRoots& roots)
     : options_(options),
-      path_(path),
+      selector_(device),
+      path_(PathOf(device)),
       roots_(roots),
       watch_(inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
   // Of attributes too: udev gives a node to its group after it is there.
@@ -49,7 +66,7 @@ V4l2Api::V4l2Api(const V4l2Options& options, const std::string& path, const Vide
 }
 
 // Opening a node can wake its camera up, so each is asked once.
-const V4l2Api::Node& V4l2Api::Ask(const std::string& path) {
+const V4l2Api::Answer& V4l2Api::Ask(const std::string& path) {
   struct stat status {};
   Identity identity{};
   if (stat(path.c_str(), &status) == 0) {
@@ -58,70 +75,91 @@ const V4l2Api::Node& V4l2Api::Ask(const std::string& path) {
   }
   const auto found = asked_.find(path);
   if (found != asked_.end() && found->second.first == identity) return found->second.second;
-  Node node;
+  Answer answer;
   const Result<FileDescriptor> fd = OpenVideoNode(path);
   const Result<VideoCapability> capability =
       fd ? ReadCapability(fd->get(), path) : Result<VideoCapability>(fd.error());
   if (capability) {
-    node.captures = CheckCapture(*capability, path).ok();
-    node.bus = capability->bus;
+    answer.captures = CheckCapture(*capability, path).ok();
+    answer.bus = capability->bus;
   }
-  if (capability && node.captures) {
+  if (capability && answer.captures) {
     const std::vector<VideoFormat> formats =
         ReadVideoFormats(fd->get(), capability->buffer_type(), 1, 1);
-    node.has_depth = std::ranges::any_of(formats, [](const VideoFormat& format) {
-      const PixelFormat* pixel = FindPixelFormat(format.fourcc);
-      return pixel != nullptr && pixel->fourcc == V4L2_PIX_FMT_Z16;
-    });
+    answer.has_depth = std::ranges::any_of(
+        formats, [](const VideoFormat& format) { return format.fourcc == V4L2_PIX_FMT_Z16; });
   }
-  return (asked_[path] = {identity, std::move(node)}).second;
+  return (asked_[path] = {identity, std::move(answer)}).second;
 }
 
 std::vector<DeviceListing> V4l2Api::List() {
-  std::vector<DeviceListing> listing;
+  entries_.clear();
   for (const VideoNode& node : ListVideoNodes(roots_)) {
-    const Node& asked = Ask(node.path);
-    if (!asked.captures && node.path != path_) continue;
-    DeviceListing device{node.path, node.name, node.serial, {"path:" + node.path}};
-    for (const std::string& link : node.link_paths) device.aliases.push_back("path:" + link);
-    for (const std::string& id : node.ids) device.aliases.push_back("id:" + id);
-    if (!asked.bus.empty()) device.aliases.push_back("bus:" + asked.bus);
-    // Before the first color node of its device.
-    auto place = listing.end();
-    if (asked.has_depth && !node.serial.empty()) {
-      place = std::ranges::find_if(listing, [&](const DeviceListing& other) {
-        return other.serial == node.serial && !Ask(other.uri).has_depth;
+    const Answer& answer = Ask(node.path);
+    if (!answer.captures && node.path != path_) continue;
+    Entry entry;
+    entry.device = {node.path, node.name, node.serial, {"path:" + node.path}};
+    std::vector<std::string>& aliases = entry.device.aliases;
+    for (const std::string& link : node.link_paths) aliases.push_back("path:" + link);
+    for (const std::string& id : node.ids) aliases.push_back("id:" + id);
+    if (!answer.bus.empty()) aliases.push_back("bus:" + answer.bus);
+    entry.key = node.serial.empty() ? answer.bus : node.serial;
+    entry.role = node.role;
+    entry.has_depth = answer.has_depth;
+    // Before the first of its device that has none.
+    auto place = entries_.end();
+    if (entry.has_depth && !entry.key.empty()) {
+      place = std::ranges::find_if(entries_, [&entry](const Entry& other) {
+        return other.key == entry.key && !other.has_depth;
       });
     }
-    listing.insert(place, std::move(device));
+    entries_.insert(place, std::move(entry));
   }
-  AddSelected(&listing);
-  listing_ = listing;
+  AddSelected();
+  std::vector<DeviceListing> listing;
+  for (const Entry& entry : entries_) {
+    if (IsWanted(entry)) listing.push_back(entry.device);
+  }
   return listing;
 }
 
-void V4l2Api::AddSelected(std::vector<DeviceListing>* listing) const {
+bool V4l2Api::IsWanted(const Entry& entry) const {
+  const auto some_other = [&](const auto& is_better) {
+    return !entry.key.empty() && std::ranges::any_of(entries_, [&](const Entry& other) {
+      return other.key == entry.key && is_better(other);
+    });
+  };
+  if (const auto role = roles_.find(entry.device.serial); role != roles_.end()) {
+    return entry.role == role->second ||
+           !some_other([&](const Entry& other) { return other.role == role->second; });
+  }
+  if (entry.has_depth || options_.pixel_format != "auto" || !MeansAllNodes(selector_)) return true;
+  return !some_other([](const Entry& other) { return other.has_depth; });
+}
+
+void V4l2Api::AddSelected() {
   const std::string alias = "path:" + path_;
   struct stat status {};
   if (path_.empty() || stat(path_.c_str(), &status) != 0) return;
   std::error_code error;
   const std::string target = fs::canonical(path_, error).string();
-  for (DeviceListing& device : *listing) {
-    if (device.uri != path_ && device.uri != target) continue;
-    if (std::ranges::find(device.aliases, alias) == device.aliases.end()) {
-      device.aliases.push_back(alias);
-    }
+  for (Entry& entry : entries_) {
+    if (entry.device.uri != path_ && entry.device.uri != target) continue;
+    std::vector<std::string>& aliases = entry.device.aliases;
+    if (std::ranges::find(aliases, alias) == aliases.end()) aliases.push_back(alias);
     return;
   }
-  listing->push_back({path_, path_, {}, {alias}});
+  Entry entry;
+  entry.device = {path_, path_, {}, {alias}};
+  entries_.push_back(std::move(entry));
 }
 
 std::vector<std::string> V4l2Api::ColorPaths(const std::string& depth_path) const {
   std::vector<std::string> paths;
   if (!options_.color_device) return paths;
   const DeviceSelector& selector = *options_.color_device;
-  for (size_t i = 0; i < listing_.size(); ++i) {
-    const DeviceListing& device = listing_[i];
+  for (size_t i = 0; i < entries_.size(); ++i) {
+    const DeviceListing& device = entries_[i].device;
     if (device.uri == depth_path) continue;
     const bool matches =
         selector.kind == DeviceSelector::Kind::kIndex ? i == static_cast<size_t>(selector.index)
@@ -135,9 +173,15 @@ std::vector<std::string> V4l2Api::ColorPaths(const std::string& depth_path) cons
 }
 
 Result<std::unique_ptr<CameraDevice>> V4l2Api::Open(const std::string& uri) {
-  const auto device = std::ranges::find(listing_, uri, &DeviceListing::uri);
-  return V4l2Device::Open(
-      uri, device == listing_.end() ? "" : device->serial, ColorPaths(uri), options_);
+  Entry entry;
+  for (const Entry& each : entries_) {
+    if (each.device.uri == uri) entry = each;
+  }
+  // A device without a serial is looked for by the selector again, and its list must not change.
+  const auto on_start = [this, serial = entry.device.serial, role = entry.role] {
+    if (!serial.empty()) roles_[serial] = role;
+  };
+  return V4l2Device::Open(uri, entry.device.serial, ColorPaths(uri), options_, on_start);
 }
 
 bool V4l2Api::WaitForDevice(std::chrono::milliseconds timeout) {

@@ -19,11 +19,12 @@ void AddNote(const std::string& sentence, StreamDetails* details) {
 Result<std::unique_ptr<CameraDevice>> V4l2Device::Open(const std::string& path,
                                                        const std::string& serial,
                                                        const std::vector<std::string>& color_paths,
-                                                       const V4l2Options& options) {
+                                                       const V4l2Options& options,
+                                                       const std::function<void()>& on_start) {
   Result<std::unique_ptr<V4l2Stream>> stream = V4l2Stream::Open(path);
   if (!stream) return stream.error();
   return std::unique_ptr<CameraDevice>(
-      new V4l2Device(path, serial, color_paths, options, std::move(*stream)));
+      new V4l2Device(path, serial, color_paths, options, on_start, std::move(*stream)));
 }
 
 Result<StreamDetails> V4l2Device::Start(const StreamRequest& request) {
@@ -34,6 +35,7 @@ Result<StreamDetails> V4l2Device::Start(const StreamRequest& request) {
   if (options_.color_device) {
     if (Result<void> color = StartColor(request); !color) return color.error();
   }
+  on_start_();
   return Details(request);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,11 +20,13 @@ class V4l2Device : public CameraDevice {
  public:
   /// @param serial of its USB device, empty if it has none.
   /// @param color_paths nodes that options.color_device may mean; the first that has color is it.
+  /// @param on_start called when it streams.
   /// Errors: as of V4l2Stream::Open().
   static Result<std::unique_ptr<CameraDevice>> Open(const std::string& path,
                                                     const std::string& serial,
                                                     const std::vector<std::string>& color_paths,
-                                                    const V4l2Options& options);
+                                                    const V4l2Options& options,
+                                                    const std::function<void()>& on_start);
 
   [[nodiscard]] std::string serial() const override { return serial_; }
   Result<StreamDetails> Start(const StreamRequest& request) override;
@@ -38,11 +41,13 @@ class V4l2Device : public CameraDevice {
              const std::string& serial,
              const std::vector<std::string>& color_paths,
              const V4l2Options& options,
+             const std::function<void()>& on_start,
              std::unique_ptr<V4l2Stream> stream)
       : path_(path),
         serial_(serial),
         color_paths_(color_paths),
         options_(options),
+        on_start_(on_start),
         stream_(std::move(stream)) {}
 
   Result<void> StartColor(const StreamRequest& request);
@@ -54,6 +59,7 @@ class V4l2Device : public CameraDevice {
   std::string serial_;
   std::vector<std::string> color_paths_;
   V4l2Options options_;
+  std::function<void()> on_start_;
   std::unique_ptr<V4l2Stream> stream_;
   std::optional<FrameConverter> converter_;
   std::unique_ptr<PairedColor> color_;  // Null: none.

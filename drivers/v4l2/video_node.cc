@@ -122,6 +122,8 @@ std::vector<VideoNode> ListVideoNodes(const VideoRoots& roots) {
       node.serial = ReadLine(usb.back() / "serial", false);
       std::error_code error;
       node.interface = fs::canonical(folder / "device", error).filename().string();
+      node.role = node.interface.substr(node.interface.find(':') + 1);
+      node.role.append("/").append(ReadLine(folder / "index", false));
     }
     for (auto [link, end] = ids.equal_range(file_name); link != end; ++link) {
       node.ids.push_back(link->second.filename().string());

@@ -21,6 +21,7 @@ struct VideoNode {
   std::string name;                     ///< the driver's
   std::string serial;                   ///< of the USB device; empty: none, or two devices have it
   std::string interface;                ///< "1-2:1.3", of the USB device
+  std::string role;                     ///< which of the nodes of its USB device it is, at any port
   std::vector<std::string> ids;         ///< names in /dev/v4l/by-id
   std::vector<std::string> link_paths;  ///< in /dev/v4l, whole
 };

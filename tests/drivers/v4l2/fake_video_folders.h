@@ -31,13 +31,17 @@ class FakeVideoFolders {
   [[nodiscard]] std::string dev(const std::string& name) const { return root_ / "dev" / name; }
 
   /// A node whose device is the interface of a USB device, "1-2" for one; without: of none.
-  void AddNode(const std::string& name, const std::string& words, const std::string& usb = "") {
+  void AddNode(const std::string& name,
+               const std::string& words,
+               const std::string& usb = "",
+               int index = 0) {
     namespace fs = std::filesystem;
     const fs::path parent = usb.empty() ? root_ / "devices/platform/vivid.0"
                                         : root_ / "devices/pci/usb1" / usb / (usb + ":1.0");
     const fs::path video = parent / "video4linux" / name;
     fs::create_directories(video);
     std::ofstream(video / "name") << words << "\n";
+    std::ofstream(video / "index") << index << "\n";
     fs::create_directory_symlink(parent, video / "device");
     fs::create_directory_symlink(video, root_ / "class/video4linux" / name);
     std::ofstream(dev(name)) << "no device";

@@ -11,7 +11,7 @@ namespace {
 TEST(ListVideoNodes, TellsWhatSysfsAndUdevTell) {
   FakeVideoFolders folders;
   folders.AddUsb("1-2", "SN 123\xff");
-  folders.AddNode("video10", "Intel(R) RealSense(TM)", "1-2");
+  folders.AddNode("video10", "Intel(R) RealSense(TM)", "1-2", 2);
   folders.AddNode("video2", "vivid");
   folders.AddLink("by-id", "usb-Intel_RealSense-video-index0", "video10");
   folders.AddLink("by-path", "pci-0000:00:14.0-usb-0:2:1.0-video-index0", "video10");
@@ -25,6 +25,7 @@ TEST(ListVideoNodes, TellsWhatSysfsAndUdevTell) {
   EXPECT_EQ(nodes[1].name, "Intel(R) RealSense(TM)");
   EXPECT_EQ(nodes[1].serial, "SN123");
   EXPECT_EQ(nodes[1].interface, "1-2:1.0");
+  EXPECT_EQ(nodes[1].role, "1.0/2");
   EXPECT_EQ(nodes[1].ids, std::vector<std::string>{"usb-Intel_RealSense-video-index0"});
   EXPECT_EQ(nodes[1].link_paths,
             (std::vector<std::string>{

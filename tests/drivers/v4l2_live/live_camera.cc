@@ -34,9 +34,8 @@ LiveCamera::LiveCamera(const Settings& settings) {
   options.search_interval = milliseconds(20);
   options.retry_interval = milliseconds(20);
   options.on_change = [this](const CameraStatus& status) { states_.push_back(status.state); };
-  const std::string path = settings.device.starts_with("path:") ? settings.device.substr(5) : "";
   Result<std::unique_ptr<Camera>> camera =
-      Camera::Create(options, std::make_unique<V4l2Api>(settings.v4l2, path));
+      Camera::Create(options, std::make_unique<V4l2Api>(settings.v4l2, *device));
   if (!camera) throw std::runtime_error(camera.error().message);
   camera_ = std::move(camera).value();
 }
