@@ -171,19 +171,10 @@ class Avx2Lanes {
     return {_mm256_unpacklo_epi8(context, zero), _mm256_unpackhi_epi8(context, zero)};
   }
 
-  // Frequencies in the low half, starts in the high one.
-  struct EncodeTable {
-    explicit EncodeTable(const SymbolTable& table) {
-      for (size_t i = 0; i < SymbolTable::kEntries; ++i) {
-        entries[i] = table.frequency[i] | (uint32_t{table.start[i]} << 16U);
-      }
-    }
-    alignas(64) uint32_t entries[SymbolTable::kEntries];
-  };
-
   // Of each symbol but the first the sum of frequencies below it, by context: low and high bytes.
-  struct DecodeTable {
-    explicit DecodeTable(const SymbolTable& table) {
+  class Table {
+   public:
+    explicit Table(const SymbolTable& table) {
       for (size_t symbol = 1; symbol < kDepthSymbols; ++symbol) {
         uint8_t low_bytes[kDepthContexts];
         uint8_t high_bytes[kDepthContexts];
@@ -192,12 +183,27 @@ class Avx2Lanes {
           low_bytes[context] = static_cast<uint8_t>(sum & 0xffU);
           high_bytes[context] = static_cast<uint8_t>(sum >> 8U);
         }
-        low[symbol] = LoadBoth(low_bytes);
-        high[symbol] = LoadBoth(high_bytes);
+        low_[symbol] = LoadBoth(low_bytes);
+        high_[symbol] = LoadBoth(high_bytes);
       }
     }
-    __m256i low[kDepthSymbols], high[kDepthSymbols];
+
+    // The sums of a symbol in sixteen contexts. Bytes are looked up: one half of each lane has the
+    // context, the other one 128, which looks up 0.
+    [[gnu::always_inline]] __m256i Below(size_t symbol, const __m256i& context) const {
+      const __m256i for_low =
+          _mm256_or_si256(context, _mm256_set1_epi16(static_cast<int16_t>(0x8000)));
+      const __m256i for_high =
+          _mm256_or_si256(_mm256_slli_epi16(context, 8), _mm256_set1_epi16(0x80));
+      return _mm256_or_si256(_mm256_shuffle_epi8(low_[symbol], for_low),
+                             _mm256_shuffle_epi8(high_[symbol], for_high));
+    }
+
+   private:
+    __m256i low_[kDepthSymbols], high_[kDepthSymbols];
   };
+  using EncodeTable = Table;
+  using DecodeTable = Table;
 
   class States {
    public:
@@ -211,10 +217,8 @@ class Avx2Lanes {
     [[gnu::always_inline]] uint16_t* Encode(const EncodeTable& table,
                                             const Words& token,
                                             uint16_t* words) {
-      words = EncodeQuarter(table, _mm256_extracti128_si256(token.high, 1), words, &x_[3]);
-      words = EncodeQuarter(table, _mm256_castsi256_si128(token.high), words, &x_[2]);
-      words = EncodeQuarter(table, _mm256_extracti128_si256(token.low, 1), words, &x_[1]);
-      return EncodeQuarter(table, _mm256_castsi256_si128(token.low), words, &x_[0]);
+      words = EncodeHalf(table, token.high, words, &x_[2], &x_[3]);
+      return EncodeHalf(table, token.low, words, &x_[0], &x_[1]);
     }
 
     [[gnu::always_inline]] Words Decode(const DecodeTable& table,
@@ -226,17 +230,53 @@ class Avx2Lanes {
     }
 
    private:
+    [[gnu::always_inline]] static uint16_t* EncodeHalf(const Table& table,
+                                                       const __m256i& token,
+                                                       uint16_t* words,
+                                                       __m256i* states_low,
+                                                       __m256i* states_high) {
+      const __m256i context = _mm256_and_si256(token, _mm256_set1_epi16(15));
+      const auto has = [&](int bit) {
+        const __m256i it = _mm256_set1_epi16(static_cast<int16_t>(bit));
+        return _mm256_cmpeq_epi16(_mm256_and_si256(token, it), it);
+      };
+      const __m256i has_1 = has(16);
+      const __m256i has_2 = has(32);
+      const __m256i has_4 = has(64);
+      const auto choose = [&](const __m256i* of_8) {
+        const __m256i from_0 = _mm256_blendv_epi8(_mm256_blendv_epi8(of_8[0], of_8[1], has_1),
+                                                  _mm256_blendv_epi8(of_8[2], of_8[3], has_1),
+                                                  has_2);
+        const __m256i from_4 = _mm256_blendv_epi8(_mm256_blendv_epi8(of_8[4], of_8[5], has_1),
+                                                  _mm256_blendv_epi8(of_8[6], of_8[7], has_1),
+                                                  has_2);
+        return _mm256_blendv_epi8(from_0, from_4, has_4);
+      };
+      __m256i sums[kDepthSymbols + 1];
+      sums[0] = _mm256_setzero_si256();
+      for (size_t symbol = 1; symbol < kDepthSymbols; ++symbol) {
+        sums[symbol] = table.Below(symbol, context);
+      }
+      sums[kDepthSymbols] = _mm256_set1_epi16(static_cast<int16_t>(kDepthScale));
+      const __m256i start = choose(sums);
+      const __m256i frequency = _mm256_sub_epi16(choose(sums + 1), start);
+      words = EncodeQuarter(_mm256_extracti128_si256(frequency, 1),
+                            _mm256_extracti128_si256(start, 1),
+                            words,
+                            states_high);
+      return EncodeQuarter(
+          _mm256_castsi256_si128(frequency), _mm256_castsi256_si128(start), words, states_low);
+    }
+
     // 2^14 * floor(x / f) + x mod f + start. The quotient is below 2^18: in single precision it is
     // right or off by one.
-    [[gnu::always_inline]] static uint16_t* EncodeQuarter(const EncodeTable& table,
-                                                          const __m128i& tokens,
+    [[gnu::always_inline]] static uint16_t* EncodeQuarter(const __m128i& frequencies,
+                                                          const __m128i& starts,
                                                           uint16_t* words,
                                                           __m256i* states) {
-      const __m256i entry = _mm256_i32gather_epi32(
-          reinterpret_cast<const int*>(table.entries), _mm256_cvtepu16_epi32(tokens), 4);
       const __m256i low_half = _mm256_set1_epi32(0xffff);
-      const __m256i f = _mm256_and_si256(entry, low_half);
-      const __m256i start = _mm256_srli_epi32(entry, 16);
+      const __m256i f = _mm256_cvtepu16_epi32(frequencies);
+      const __m256i start = _mm256_cvtepu16_epi32(starts);
       __m256i x = *states;
       // As signed numbers: both sides are small.
       const __m256i keep = _mm256_cmpgt_epi32(f, _mm256_srli_epi32(x, 32 - kDepthScaleBits));
@@ -273,16 +313,7 @@ class Avx2Lanes {
                                                      const uint16_t** words,
                                                      __m256i* states_low,
                                                      __m256i* states_high) {
-      // For lookups of bytes: the context in a lane's low byte or in its high one, 128 in the
-      // other, which looks up 0.
-      const __m256i for_low =
-          _mm256_or_si256(context, _mm256_set1_epi16(static_cast<int16_t>(0x8000)));
-      const __m256i for_high =
-          _mm256_or_si256(_mm256_slli_epi16(context, 8), _mm256_set1_epi16(0x80));
-      const auto below = [&](size_t symbol) {
-        return _mm256_or_si256(_mm256_shuffle_epi8(table.low[symbol], for_low),
-                               _mm256_shuffle_epi8(table.high[symbol], for_high));
-      };
+      const auto below = [&](size_t symbol) { return table.Below(symbol, context); };
       const __m256i slot_mask = _mm256_set1_epi32(static_cast<int>(kDepthScale - 1));
       const __m256i slot =
           _mm256_permute4x64_epi64(_mm256_packus_epi32(_mm256_and_si256(*states_low, slot_mask),
