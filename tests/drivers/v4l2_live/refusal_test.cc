@@ -131,6 +131,34 @@ INSTANTIATE_TEST_SUITE_P(
                     std::pair("FractionOfARate", "format YUYV 64x48 30000/1001")),
     [](const auto& each) { return std::string(each.param.first); });
 
+TEST(StepwiseSizes, AnyOfThemWillDo) {
+  const EmulatedDevices devices;
+  devices.Describe(DeviceZero("stepwise YUYV 16x16 1920x1088 16 30"));
+  LiveCamera live;
+  EXPECT_TRUE(live.GrabFrames(5)) << live.Summary();
+  devices.Describe(DeviceZero("stepwise YUYV 16x16 1920x1088 20 30"));
+  live.camera().Restart();
+  EXPECT_TRUE(live.GrabUntilMessage("16-1920x16-1088")) << live.Summary();
+}
+
+// Files of the system, which nobody emulates.
+TEST(NoDevice, OfTheSystemIsTakenForACamera) {
+  const EmulatedDevices devices;
+  const std::pair<const char*, const char*> files[] = {
+      {"path:/dev/null", "has the major number 1, expected 81"},
+      {"path:/proc/self/status", "is no character device"},
+      {"path:/", "is no character device"},
+      {"path:/nowhere/at/all", "matches path:/nowhere/at/all (found: none)"},
+  };
+  for (const auto& [device, sentence] : files) {
+    LiveCamera::Settings settings;
+    settings.device = device;
+    LiveCamera live(settings);
+    EXPECT_TRUE(live.GrabUntilMessage(sentence)) << device << "\n" << live.Summary();
+    EXPECT_EQ(live.status().state, CameraState::kSearching);
+  }
+}
+
 // Another program, in its own words, that streams from /dev/video0.
 TEST(SecondOpener, IsToldAndStreamsWhenTheFirstIsDone) {
   const EmulatedDevices devices;
