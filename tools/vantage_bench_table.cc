@@ -101,8 +101,24 @@ json MakeRow(const Measured& measured, const BenchBar& bar, const std::vector<Me
     row["peer"] = peer.name;
     row["peer_value"] = peer.value;
     row["ratio"] = peer.value / measured.value;
+    if (!bar.is_peers) continue;
+    row["bar"] = peer.value;
+    row["met"] = measured.value <= peer.value;
   }
   return row;
+}
+
+// BENCHMARK/COUNTER, what a benchmark counted beside its time.
+std::optional<Measured> FindCounter(const std::vector<Measured>& measured,
+                                    const std::string& name) {
+  for (const Measured& each : measured) {
+    if (!name.starts_with(each.name + "/")) continue;
+    const auto found = each.accuracy.find(name.substr(each.name.size() + 1));
+    if (found != each.accuracy.end()) {
+      return Measured{name, found->get<double>(), "", json::object()};
+    }
+  }
+  return std::nullopt;
 }
 
 // What an estimator gave over the views of a model, beside the fastest of the others.
@@ -185,7 +201,8 @@ struct Options {
   bool check = false;
 };
 
-// A bar that is of no benchmark is of a figure of whole estimators, the worst one of "every" model.
+// A bar that is of no benchmark is of what one counted, or of a figure of whole estimators, the
+// worst one of "every" model.
 Result<json> MakeRows(const std::vector<Measured>& measured,
                       const PoseComparison& poses,
                       const Bars& bars,
@@ -199,6 +216,14 @@ Result<json> MakeRows(const std::vector<Measured>& measured,
     const bool present = std::any_of(
         measured.begin(), measured.end(), [&](const Measured& each) { return each.name == name; });
     if (present) continue;
+    if (const std::optional<Measured> counter = FindCounter(measured, name)) {
+      rows.push_back(MakeRow(*counter, bar, {}));
+      continue;
+    }
+    if (bar.is_optional) {
+      std::printf("not measured, as its data are not there: %s\n", name.c_str());
+      continue;
+    }
     const Result<PoseComparison::Figure> figure = poses.Find(name);
     if (!figure) {
       return Error{ErrorCode::kNotFound,

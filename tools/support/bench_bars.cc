@@ -13,6 +13,8 @@ namespace {
 // Empty text leaves the bar without a limit. False: neither that nor a positive number.
 bool ParseLimit(std::string text, BenchBar* bar) {
   if (text.empty()) return true;
+  bar->is_peers = text == "peer";
+  if (bar->is_peers) return !bar->peer.empty();
   bar->is_least = text.rfind(">=", 0) == 0;
   if (bar->is_least) text.erase(0, 2);
   char* end = nullptr;
@@ -42,9 +44,11 @@ Result<std::map<std::string, BenchBar>> ReadBenchBars(const std::filesystem::pat
     bar.peer = fields[3];
     if (!ParseLimit(fields[2], &bar)) {
       return Error{ErrorCode::kCorrupt,
-                   place + "bar \"" + fields[2] + "\", expected a positive number"};
+                   place + "bar \"" + fields[2] +
+                       "\", expected a positive number, or peer where there is one"};
     }
-    bars[fields[1]] = bar;
+    bar.is_optional = fields[1].starts_with('?');
+    bars[fields[1].substr(bar.is_optional ? 1 : 0)] = bar;
   }
   return bars;
 }
