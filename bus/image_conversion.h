@@ -33,8 +33,7 @@ enum class DepthCompression {
 };
 
 /// @param millimetres width * height values, 0 where there is no measurement.
-/// @param compression with kVdc the thread keeps an encoder, whose bytes depend on the images
-///   before. Sides are then 1..kMaxDepthSide.
+///   Sides above kMaxDepthSide are not for kVdc.
 images_t DepthToMessage(int width,
                         int height,
                         std::span<const uint16_t> millimetres,

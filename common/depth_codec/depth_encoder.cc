@@ -9,8 +9,7 @@
 namespace vantage {
 namespace {
 
-constexpr size_t kSampledRows = 32;     // At least so many rows of a band are counted.
-constexpr int kLargestPaletteAge = 64;  // images
+constexpr size_t kSampledRows = 32;  // At least so many rows of a band are counted.
 
 void Store(size_t value, size_t bytes, uint8_t* out) {
   for (size_t i = 0; i < bytes; ++i) out[i] = static_cast<uint8_t>(value >> (8 * i));
@@ -34,7 +33,8 @@ void DepthEncoder::Encode(int width,
   const DepthLayout layout(width, height);
   const size_t stored_bytes = kDepthHeaderBytes + 2 * depth.size();
   payload->resize(kDepthHeaderBytes);
-  FindTokens(layout, depth);
+  palette_.Build(depth, layout.width, kernels_);
+  Tokenize(layout, depth);
   CountSymbols(layout);
   AppendTables(payload);
   DepthMode mode = DepthMode::kCoded;
@@ -51,20 +51,7 @@ void DepthEncoder::Encode(int width,
   Store(Crc32c(std::span(*payload).subspan(8)), 4, header + 4);
 }
 
-// A palette that covers the last images mostly covers this one, and its other values cost little.
-void DepthEncoder::FindTokens(const DepthLayout& layout, std::span<const uint16_t> depth) {
-  if (palette_age_++ == kLargestPaletteAge) {
-    palette_.Clear();
-    palette_age_ = 0;
-  }
-  if (!Tokenize(layout, depth)) {
-    palette_.Add(depth);
-    Tokenize(layout, depth);
-  }
-}
-
-// False at the first row with a value that the palette lacks.
-bool DepthEncoder::Tokenize(const DepthLayout& layout, std::span<const uint16_t> depth) {
+void DepthEncoder::Tokenize(const DepthLayout& layout, std::span<const uint16_t> depth) {
   ranks_.assign(DepthLayout::kStrips * layout.columns, 0);
   const size_t row_size = DepthLayout::kLanes * layout.columns;
   tokens_.resize(layout.rows * row_size);
@@ -86,11 +73,9 @@ bool DepthEncoder::Tokenize(const DepthLayout& layout, std::span<const uint16_t>
       task.num_escapes = num_escapes_[band];
       kernels_.tokenize(&task);
       num_escapes_[band] = task.num_escapes;
-      if (task.unknown && palette_.size() < DepthPalette::kUnknown) return false;
       rows_[band].Advance();
     }
   }
-  return true;
 }
 
 // Ranks of a row of the image, strip beside strip: four strips at a time, one store for all four.

@@ -14,8 +14,7 @@ namespace vantage {
 
 /// Compresses 16-bit depth images without loss. Each image stands for itself: what was lost on the
 /// way harms no other. The format is in docs/depth-codec.md.
-/// Keeps buffers between images, and the values that the last ones held: finding these costs a
-/// fifth of the time. So bytes depend on the images before. Use one encoder a thread.
+/// Keeps buffers between images; use one encoder a thread.
 class DepthEncoder {
  public:
   explicit DepthEncoder(const DepthKernels& kernels = AvailableDepthKernels().front())
@@ -32,8 +31,7 @@ class DepthEncoder {
               std::vector<uint8_t>* payload);
 
  private:
-  void FindTokens(const DepthLayout& layout, std::span<const uint16_t> depth);
-  bool Tokenize(const DepthLayout& layout, std::span<const uint16_t> depth);
+  void Tokenize(const DepthLayout& layout, std::span<const uint16_t> depth);
   void TakeRanks(const DepthLayout& layout, const uint16_t* depth);
   void CountSymbols(const DepthLayout& layout);
   void AppendTables(std::vector<uint8_t>* payload);
@@ -41,7 +39,6 @@ class DepthEncoder {
 
   DepthKernels kernels_;
   DepthPalette palette_;
-  int palette_age_ = 0;  // images
   DepthRows rows_[DepthLayout::kBands];
   SymbolTable table_;
   std::vector<uint16_t> ranks_;                         // of a row of a band, columns x 32

@@ -10,7 +10,7 @@ std::span<const DepthKernels> AvailableDepthKernels() {
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("popcnt")) {
+        __builtin_cpu_supports("avx512vbmi2") && __builtin_cpu_supports("popcnt")) {
       available.push_back(kAvx512DepthKernels);
     }
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt")) {

@@ -25,7 +25,6 @@ struct TokenizeTask {
   uint8_t* tokens;     ///< written: context + 16 * symbol, 32 for every column, 64 apart
   uint16_t* escapes;   ///< what lies beyond -2..2 is appended; room for columns x 32
   size_t num_escapes;  ///< in and out
-  bool unknown;        ///< set to true where a rank is 65535
 };
 
 /// A row of both bands, or of the upper one alone, on its way to words, last pixel first.
@@ -69,6 +68,8 @@ inline constexpr size_t kWordsPerPixel = 3;
 /// The loops over pixels. Every set gives the same bytes.
 struct DepthKernels {
   const char* name;  ///< the instruction set
+  /// Sets present[value] to 1 for all values of an image.
+  void (*mark_values)(const uint16_t* depth, size_t size, size_t width, uint8_t* present);
   void (*tokenize)(TokenizeTask*);
   void (*encode)(EncodeTask*);
   void (*decode)(DecodeTask*);

@@ -60,21 +60,15 @@ uint32_t Load16(std::span<const uint8_t> bytes, size_t at) {
 
 DepthPalette::DepthPalette()
     : present_(new uint8_t[kValues]),
-      ranks_(new uint16_t[kValues]),
-      values_(new uint16_t[kValues]()) {
-  Clear();
-}
+      ranks_(new uint16_t[kValues]()),
+      values_(new uint16_t[kValues]()) {}
 
-void DepthPalette::Clear() {
-  std::fill_n(present_.get(), kValues, uint8_t{0});
-  std::fill_n(ranks_.get(), kValues, kUnknown);
-  ranks_[0] = 0;
-  size_ = 0;
-}
-
-void DepthPalette::Add(std::span<const uint16_t> depth) {
+void DepthPalette::Build(std::span<const uint16_t> depth,
+                         size_t width,
+                         const DepthKernels& kernels) {
   uint8_t* present = present_.get();
-  for (const uint16_t value : depth) present[value] = 1;
+  std::memset(present, 0, kValues);
+  kernels.mark_values(depth.data(), depth.size(), width, present);
   present[0] = 0;
   size_ = 0;
   for (size_t first = 0; first < kValues; first += 8) {

@@ -6,25 +6,24 @@
 #include <span>
 #include <vector>
 
+#include "common/depth_codec/depth_kernels.h"
+
 namespace vantage {
 
-/// The values that an image may hold, other than 0, in ascending order. A structured-light sensor
+/// The values that an image holds, other than 0, in ascending order. A structured-light sensor
 /// knows few, one for each step of its disparity: by rank, neighbours differ by little.
 class DepthPalette {
  public:
   static constexpr size_t kValues = 65536;
-  static constexpr uint16_t kUnknown = 65535;  ///< Rank of a value that is not in the palette.
 
   DepthPalette();
 
-  /// Forgets all values.
-  void Clear();
-  /// Adds the values of an image.
-  void Add(std::span<const uint16_t> depth);
+  /// Finds the values of an image that is `width` px wide.
+  void Build(std::span<const uint16_t> depth, size_t width, const DepthKernels& kernels);
 
   /// Number of values.
   [[nodiscard]] size_t size() const { return size_; }
-  /// Of each value, 1..size(), or kUnknown where size() is less than that; 0 of 0.
+  /// 1..size() of each value of the image that was built from, 0 of 0.
   [[nodiscard]] const uint16_t* ranks() const { return ranks_.get(); }
   /// Of each rank 0..size(); value 0 for rank 0. Readable up to kValues, to no purpose.
   [[nodiscard]] const uint16_t* values() const { return values_.get(); }

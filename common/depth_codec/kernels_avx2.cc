@@ -55,6 +55,10 @@ class Avx2Lanes {
     validity_ = LoadBoth(kDepthValidityContexts);
   }
 
+  static void MarkValues(const uint16_t* depth, size_t size, size_t /*width*/, uint8_t* present) {
+    MarkEachValue<Avx2Lanes>(depth, size, present);
+  }
+
   static Words Load(const uint16_t* from) { return {Load256(from), Load256(from + 16)}; }
   static void Store(const Words& a, uint16_t* to) {
     Store256(a.low, to);
@@ -381,6 +385,6 @@ using Kernels = LaneKernels<Avx2Lanes>;
 }  // namespace
 
 const DepthKernels kAvx2DepthKernels = {
-    "avx2", Kernels::Tokenize, Kernels::Encode, Kernels::Decode};
+    "avx2", Avx2Lanes::MarkValues, Kernels::Tokenize, Kernels::Encode, Kernels::Decode};
 
 }  // namespace vantage

@@ -9,7 +9,7 @@
 namespace vantage {
 namespace {
 
-// Needs AVX-512 F, BW, VL and DQ.
+// Needs AVX-512 F, BW, VL, DQ and VBMI2.
 class Avx512Lanes {
  public:
   using Words = __m512i;
@@ -21,6 +21,30 @@ class Avx512Lanes {
     for (size_t i = 0; i < 16; ++i) table[128 + i] = kDepthValidityContexts[i];
     for (size_t i = 0; i < 4; ++i) gradient_[i] = Load(table + 32 * i);
     validity_ = Load(table + 128);
+  }
+
+  // Most pixels have the value of one before them, which need not be marked again; the others are
+  // collected first.
+  static void MarkValues(const uint16_t* depth, size_t size, size_t width, uint8_t* present) {
+    constexpr size_t kCollected = 1024;
+    uint16_t collected[kCollected + 32];
+    size_t count = 0;
+    // Where the pixel right of the one above comes before the one in hand.
+    size_t i = width > 1 && width < size ? width : size;
+    MarkEachValue<Avx512Lanes>(depth, i, present);
+    for (; i + 32 <= size; i += 32) {
+      const Words value = Load(depth + i);
+      const Mask is_new = _mm512_cmpneq_epi16_mask(value, Load(depth + i - 1)) &
+                          _mm512_cmpneq_epi16_mask(value, Load(depth + i - width)) &
+                          _mm512_cmpneq_epi16_mask(value, Load(depth + i - width + 1));
+      Store(_mm512_maskz_compress_epi16(is_new, value), collected + count);
+      count += static_cast<size_t>(__builtin_popcount(is_new));
+      if (count < kCollected) continue;
+      MarkEachValue<Avx512Lanes>(collected, count, present);
+      count = 0;
+    }
+    MarkEachValue<Avx512Lanes>(collected, count, present);
+    MarkEachValue<Avx512Lanes>(depth + i, size - i, present);
   }
 
   static Words Load(const uint16_t* from) { return _mm512_loadu_si512(from); }
@@ -235,6 +259,6 @@ using Kernels = LaneKernels<Avx512Lanes>;
 }  // namespace
 
 const DepthKernels kAvx512DepthKernels = {
-    "avx512", Kernels::Tokenize, Kernels::Encode, Kernels::Decode};
+    "avx512", Avx512Lanes::MarkValues, Kernels::Tokenize, Kernels::Encode, Kernels::Decode};
 
 }  // namespace vantage

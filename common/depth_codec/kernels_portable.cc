@@ -16,6 +16,10 @@ class PortableLanes {
   };
   using Mask = uint32_t;
 
+  static void MarkValues(const uint16_t* depth, size_t size, size_t /*width*/, uint8_t* present) {
+    MarkEachValue<PortableLanes>(depth, size, present);
+  }
+
   static Words Load(const uint16_t* from) {
     Words a;
     std::memcpy(a.lanes, from, sizeof(a.lanes));
@@ -138,6 +142,6 @@ using Kernels = LaneKernels<PortableLanes>;
 }  // namespace
 
 const DepthKernels kPortableDepthKernels = {
-    "portable", Kernels::Tokenize, Kernels::Encode, Kernels::Decode};
+    "portable", PortableLanes::MarkValues, Kernels::Tokenize, Kernels::Encode, Kernels::Decode};
 
 }  // namespace vantage

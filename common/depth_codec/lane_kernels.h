@@ -9,6 +9,11 @@
 
 namespace vantage {
 
+template <class Lanes>
+void MarkEachValue(const uint16_t* depth, size_t size, uint8_t* present) {
+  for (size_t i = 0; i < size; ++i) present[depth[i]] = 1;
+}
+
 /// The depth codec's loops for one instruction set. `Lanes` has 32 lanes of 16 bits (Words), a
 /// truth value for each (Mask), 32 range coder states (States), and the operations on them; it
 /// lives in an unnamed namespace, so that what is compiled here for one instruction set is never
@@ -21,12 +26,10 @@ class LaneKernels {
     const Lanes lanes;
     Neighbors near;
     near.Begin(task->above);
-    Mask unknown = Lanes::FromBits(0);
     for (size_t column = 0; column < task->columns; ++column) {
       near.Advance(task->above, column);
       const Words rank = Lanes::Load(task->ranks + 32 * column);
       const Mask valid = Lanes::IsNotZero(rank);
-      unknown = Lanes::Or(unknown, Lanes::Equal(rank, Lanes::Fill(-1)));
       const Words predicted = near.Predicted();
       const Words context = near.Context(lanes);
       const Words residual = Lanes::Sub(rank, predicted);
@@ -41,7 +44,6 @@ class LaneKernels {
       if (far != 0) AppendEscapes(far, residual, task);
       near.Keep(Lanes::Select(valid, rank, predicted), valid, task->row, column);
     }
-    if (Lanes::Bits(unknown) != 0) task->unknown = true;
   }
 
   static void Encode(EncodeTask* task) {

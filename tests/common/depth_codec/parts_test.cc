@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
+#include <set>
 
 #include "common/depth_codec/crc32c.h"
 #include "common/depth_codec/depth_palette.h"
@@ -30,7 +31,7 @@ TEST(Crc32c, TableAndInstructionAgree) {
 
 void ExpectPaletteKept(const std::vector<uint16_t>& depth) {
   DepthPalette palette;
-  palette.Add(depth);
+  palette.Build(depth, 1, kPortableDepthKernels);
   std::vector<uint8_t> bytes = {1, 2, 3};
   palette.Append(&bytes);
   bytes.insert(bytes.end(), {9, 8});
@@ -62,17 +63,27 @@ TEST(DepthPalette, KeepsItsValues) {
   }
 }
 
-TEST(DepthPalette, GrowsAndForgets) {
+TEST(DepthPalette, HoldsTheValuesOfTheImageAlone) {
+  Rng rng(4);
   DepthPalette palette;
-  palette.Add(std::vector<uint16_t>{10, 30});
-  EXPECT_EQ(palette.ranks()[20], DepthPalette::kUnknown);
-  palette.Add(std::vector<uint16_t>{20});
-  EXPECT_EQ(palette.size(), 3U);
-  EXPECT_EQ(palette.ranks()[20], 2);
-  EXPECT_EQ(palette.ranks()[30], 3);
-  palette.Clear();
-  EXPECT_EQ(palette.size(), 0U);
-  EXPECT_EQ(palette.ranks()[20], DepthPalette::kUnknown);
+  for (const DepthKernels& kernels : AvailableDepthKernels()) {
+    for (int round = 0; round < 60; ++round) {
+      const size_t width = 1 + rng.Below(90);
+      std::vector<uint16_t> depth(width * (1 + rng.Below(40)));
+      const uint32_t repeat = 1 + rng.Below(20);
+      for (size_t i = 0; i < depth.size(); ++i) {
+        const size_t before = rng.Below(2) == 0 ? 1 : width;
+        const bool new_one = i < before || rng.Below(repeat) == 0;
+        depth[i] = new_one ? static_cast<uint16_t>(rng.NextUint32()) : depth[i - before];
+      }
+      palette.Build(depth, width, kernels);
+      std::set<uint16_t> values(depth.begin(), depth.end());
+      values.erase(0);
+      const uint16_t* first = palette.values() + 1;
+      const std::vector<uint16_t> found(first, first + palette.size());
+      EXPECT_EQ(found, std::vector<uint16_t>(values.begin(), values.end())) << kernels.name;
+    }
+  }
 }
 
 TEST(DepthPalette, RefusesWhatIsNone) {
