@@ -104,6 +104,9 @@ Result<std::unique_ptr<OniRecording>> OniRecording::Open(const RecordTarget& tar
 OniRecording::~OniRecording() {
   recorder_.stop();
   recorder_.destroy();
+  if (has_begun_) return;
+  std::error_code error;
+  std::filesystem::remove(file_, error);
 }
 
 bool OniRecording::Begin() {
@@ -127,13 +130,6 @@ std::string OniRecording::Trouble() {
                 file_.c_str(),
                 static_cast<long long>(free >> 20),
                 static_cast<long long>(min_free_bytes_ >> 20));
-}
-
-void OniRecording::Discard() {
-  recorder_.stop();
-  recorder_.destroy();
-  std::error_code error;
-  std::filesystem::remove(file_, error);
 }
 
 }  // namespace vantage

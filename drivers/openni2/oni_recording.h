@@ -34,6 +34,7 @@ class OniRecording {
                                                     const std::filesystem::path& file,
                                                     openni::VideoStream& depth,
                                                     openni::VideoStream& color);
+  /// Ends it; a file into which nothing was recorded is removed.
   ~OniRecording();
   OniRecording(const OniRecording&) = delete;
   OniRecording& operator=(const OniRecording&) = delete;
@@ -44,8 +45,8 @@ class OniRecording {
   /// Why it has to end, in one sentence; empty: it does not. To be asked once an image; looks now
   /// and then.
   std::string Trouble();
-  /// Ends it, and removes the file.
-  void Discard();
+  /// What was recorded so far is worth nothing.
+  void Discard() { has_begun_ = false; }
 
  private:
   OniRecording(std::filesystem::path file, int64_t min_free_bytes)

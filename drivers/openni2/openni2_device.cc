@@ -9,6 +9,7 @@
 #include "common/format.h"
 #include "drivers/openni2/openni2_color.h"
 #include "drivers/openni2/openni2_modes.h"
+#include "drivers/openni2/usb_permission.h"
 
 namespace vantage {
 namespace {
@@ -19,6 +20,7 @@ constexpr std::chrono::seconds kLockTimeout{5};
 constexpr std::chrono::milliseconds kSyncPatience{350};  // without a frame; less than a stall
 // A recording's next image comes at once or, at its end, never.
 constexpr std::chrono::milliseconds kPlaybackPatience{500};
+constexpr int kLongestWait = 60;  // depth images for which a recording waits for a pair
 
 // A driver mirrors by default, and some can't but do: what still is mirrored is turned on arrival.
 bool IsMirrored(openni::VideoStream& stream, bool is_recording) {
@@ -103,12 +105,15 @@ Error Openni2Device::Refusal(const std::string& what) const {
   for (char& c : reason) {
     if (c == '\n' || c == '\t') c = ' ';
   }
+  std::string hint = UsbPermissionHint(uri_);
+  if (hint.empty()) hint = "is another program using it, and do udev rules let this user?";
   return {ErrorCode::kUnavailable,
-          Format("device %s %s%s%s; is another program using it, and do udev rules let this user?",
+          Format("device %s %s%s%s; %s",
                  uri_.c_str(),
                  what.c_str(),
                  reason.empty() ? "" : ": ",
-                 reason.c_str())};
+                 reason.c_str(),
+                 hint.c_str())};
 }
 
 std::string Openni2Device::serial() const {
@@ -234,11 +239,12 @@ void Openni2Device::Register(const StreamRequest& request) {
 
 void Openni2Device::StartColorStream(StreamDetails* details) {
   if (color_.start() != openni::STATUS_OK) {
-    recording_.reset();
-    color_.destroy();
     details->has_color = false;
     Add("its color stream does not start", &details->note);
-    OpenRecording();
+    const bool records = recording_ != nullptr;
+    recording_.reset();
+    color_.destroy();
+    if (records) OpenRecording();
     return;
   }
   // Only once both stream does OpenNI2 ask the driver, few of which can. Where it can't, the
@@ -388,13 +394,17 @@ void Openni2Device::BeginRecording() {
   // An image came meanwhile, which may or may not be in the file. Anew, after another pair.
   recording_->Discard();
   recording_.reset();
-  --record_.num_files;
+  --record_.num_files;  // Its name is free again.
   OpenRecording();
 }
 
 void Openni2Device::WatchRecording() {
   if (!recording_->has_begun()) {
-    if (match_ && !next_depth_frame_.isValid()) BeginRecording();
+    if (match_ && !next_depth_frame_.isValid()) {
+      BeginRecording();
+    } else if (++num_not_recorded_ == kLongestWait) {
+      recording_->Begin();  // There are no pairs that could be torn.
+    }
     return;
   }
   const std::string trouble = recording_->Trouble();

@@ -100,6 +100,7 @@ class Openni2Device : public CameraDevice {
   Clock::time_point last_frame_;
   std::string trouble_;                      // What went wrong besides, in one sentence.
   std::unique_ptr<OniRecording> recording_;  // Of what this device gives; null: none.
+  int num_not_recorded_ = 0;                 // Depth images before it began.
   bool is_recording_ = false;                // The device itself is one.
   int num_frames_ = 0;                       // Of a recording; 0: it does not say.
   int num_read_ = 0;

@@ -1,12 +1,23 @@
 // Devices that differ in what they can do.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <ostream>
 #include <string>
 #include <vector>
 
 #include "tests/drivers/openni2_plugin/openni2_fixture.h"
 
 namespace vantage {
+
+// Names of the tests that take one.
+static void PrintTo(SimAbilities::Registration registration, std::ostream* out) {
+  *out << std::array{"Works", "Claimed", "None"}.at(static_cast<size_t>(registration));
+}
+static void PrintTo(SimAbilities::Mirroring mirroring, std::ostream* out) {
+  *out << std::array{"Off", "On", "Always", "AlwaysDepth"}.at(static_cast<size_t>(mirroring));
+}
+
 namespace {
 
 TEST_F(Openni2Plugin, TellsWhatADeviceCanDo) {

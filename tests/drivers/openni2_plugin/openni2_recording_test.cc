@@ -126,6 +126,24 @@ TEST_F(Openni2Recording, ColorIsPlayedBackWithItsDepth) {
   EXPECT_GE(static_cast<size_t>(num_pairs) + 1, frames_.size());
 }
 
+TEST_F(Openni2Recording, WithoutAnyColorDepthIsRecordedAlone) {
+  options_.stream.color = true;
+  Create("index:0", {.file = file()});
+  Fault(SimFault::Kind::kColorStop);
+  ASSERT_TRUE(GrabFrames(75));
+  Play(file());
+  EXPECT_GE(frames_.size(), 5U);
+}
+
+TEST_F(Openni2Recording, AFileIntoWhichNothingCameIsRemoved) {
+  options_.stream.color = true;
+  Create("index:0", {.file = file()});
+  Fault(SimFault::Kind::kStall);
+  ASSERT_TRUE(GrabUntil([this] { return camera_->status().state == CameraState::kStreaming; }));
+  camera_.reset();
+  EXPECT_FALSE(std::filesystem::exists(file()) && frames_.empty());
+}
+
 TEST_F(Openni2Recording, EveryOpeningHasAFileOfItsOwn) {
   std::ofstream(folder_ / "recording-3.oni") << "another's";
   Create("index:0", {.file = file()});
