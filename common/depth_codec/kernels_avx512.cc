@@ -149,12 +149,23 @@ class Avx512Lanes {
       const Words start = Select(is_high,
                                  _mm512_permutex2var_epi16(table.start[2], token, table.start[3]),
                                  _mm512_permutex2var_epi16(table.start[0], token, table.start[1]));
-      words = EncodeHalf(_mm512_extracti64x4_epi64(frequency, 1),
-                         _mm512_extracti64x4_epi64(start, 1),
-                         words,
-                         &high_);
-      return EncodeHalf(
-          _mm512_castsi512_si256(frequency), _mm512_castsi512_si256(start), words, &low_);
+      const __m512i low_f = _mm512_cvtepu16_epi32(_mm512_castsi512_si256(frequency));
+      const __m512i high_f = _mm512_cvtepu16_epi32(_mm512_extracti64x4_epi64(frequency, 1));
+      const __mmask16 low_full = IsFull(low_, low_f);
+      const __mmask16 high_full = IsFull(high_, high_f);
+      const Mask full = _mm512_kunpackw(high_full, low_full);
+      const auto count = static_cast<uint32_t>(__builtin_popcount(full));
+      words -= count;
+      _mm512_mask_storeu_epi16(words,
+                               static_cast<Mask>((uint64_t{1} << count) - 1U),
+                               _mm512_maskz_compress_epi16(full, LowWords()));
+      low_ = Encoded(_mm512_mask_srli_epi32(low_, low_full, low_, 16),
+                     low_f,
+                     _mm512_cvtepu16_epi32(_mm512_castsi512_si256(start)));
+      high_ = Encoded(_mm512_mask_srli_epi32(high_, high_full, high_, 16),
+                      high_f,
+                      _mm512_cvtepu16_epi32(_mm512_extracti64x4_epi64(start, 1)));
+      return words;
     }
 
     [[gnu::always_inline]] Words Decode(const DecodeTable& table,
@@ -182,13 +193,21 @@ class Avx512Lanes {
 
       const Words frequency = Sub(end, start);
       const Words offset = Sub(slot, start);
-      const uint16_t* from = *words;
-      from = DecodeHalf(
-          _mm512_castsi512_si256(frequency), _mm512_castsi512_si256(offset), from, &low_);
-      *words = DecodeHalf(_mm512_extracti64x4_epi64(frequency, 1),
-                          _mm512_extracti64x4_epi64(offset, 1),
-                          from,
-                          &high_);
+      const __m512i low = Decoded(low_,
+                                  _mm512_cvtepu16_epi32(_mm512_castsi512_si256(frequency)),
+                                  _mm512_cvtepu16_epi32(_mm512_castsi512_si256(offset)));
+      const __m512i high = Decoded(high_,
+                                   _mm512_cvtepu16_epi32(_mm512_extracti64x4_epi64(frequency, 1)),
+                                   _mm512_cvtepu16_epi32(_mm512_extracti64x4_epi64(offset, 1)));
+      const __mmask16 low_empty = _mm512_cmplt_epu32_mask(low, _mm512_set1_epi32(kDepthStateLow));
+      const __mmask16 high_empty = _mm512_cmplt_epu32_mask(high, _mm512_set1_epi32(kDepthStateLow));
+      const Mask empty = _mm512_kunpackw(high_empty, low_empty);
+      const Words next = _mm512_maskz_expand_epi16(empty, Avx512Lanes::Load(*words));
+      *words += __builtin_popcount(empty);
+      low_ = _mm512_or_si512(_mm512_mask_slli_epi32(low, low_empty, low, 16),
+                             _mm512_cvtepu16_epi32(_mm512_castsi512_si256(next)));
+      high_ = _mm512_or_si512(_mm512_mask_slli_epi32(high, high_empty, high, 16),
+                              _mm512_cvtepu16_epi32(_mm512_extracti64x4_epi64(next, 1)));
       return symbol;
     }
 
@@ -200,50 +219,35 @@ class Avx512Lanes {
       return _mm512_permutex2var_epi16(low_, Avx512Lanes::Load(kEven), high_);
     }
 
+    [[gnu::always_inline]] static __mmask16 IsFull(const __m512i& x, const __m512i& f) {
+      return _mm512_cmpge_epu32_mask(_mm512_srli_epi32(x, 32 - kDepthScaleBits), f);
+    }
+
     // 2^14 * floor(x / f) + x mod f + start. The quotient is below 2^18: rounded down in single
     // precision it is right or one too small.
-    [[gnu::always_inline]] static uint16_t* EncodeHalf(const __m256i& frequencies,
-                                                       const __m256i& starts,
-                                                       uint16_t* words,
-                                                       __m512i* states) {
+    [[gnu::always_inline]] static __m512i Encoded(const __m512i& x,
+                                                  const __m512i& f,
+                                                  const __m512i& start) {
       constexpr int kDown = _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC;
-      const __m512i f = _mm512_cvtepu16_epi32(frequencies);
-      __m512i x = *states;
-      const __mmask16 full = _mm512_cmpge_epu32_mask(_mm512_srli_epi32(x, 32 - kDepthScaleBits), f);
-      const auto count = static_cast<uint32_t>(__builtin_popcount(full));
-      words -= count;
-      _mm256_mask_storeu_epi16(words,
-                               static_cast<__mmask16>((1U << count) - 1U),
-                               _mm512_cvtepi32_epi16(_mm512_maskz_compress_epi32(full, x)));
-      x = _mm512_mask_srli_epi32(x, full, x, 16);
       const __m512 ratio = _mm512_div_round_ps(
           _mm512_cvt_roundepu32_ps(x, kDown), _mm512_cvt_roundepu32_ps(f, kDown), kDown);
       const __m512i quotient = _mm512_cvttps_epi32(ratio);
       const __m512i rest = _mm512_sub_epi32(x, _mm512_mullo_epi32(quotient, f));
       const __mmask16 one_more = _mm512_cmpge_epi32_mask(rest, f);
       const __m512i base = _mm512_add_epi32(_mm512_slli_epi32(quotient, kDepthScaleBits),
-                                            _mm512_add_epi32(rest, _mm512_cvtepu16_epi32(starts)));
-      *states = _mm512_mask_add_epi32(
+                                            _mm512_add_epi32(rest, start));
+      return _mm512_mask_add_epi32(
           base,
           one_more,
           base,
           _mm512_sub_epi32(_mm512_set1_epi32(static_cast<int>(kDepthScale)), f));
-      return words;
     }
 
-    [[gnu::always_inline]] static const uint16_t* DecodeHalf(const __m256i& frequencies,
-                                                             const __m256i& offsets,
-                                                             const uint16_t* words,
-                                                             __m512i* states) {
-      __m512i x = _mm512_mullo_epi32(_mm512_cvtepu16_epi32(frequencies),
-                                     _mm512_srli_epi32(*states, kDepthScaleBits));
-      x = _mm512_add_epi32(x, _mm512_cvtepu16_epi32(offsets));
-      const __mmask16 low = _mm512_cmplt_epu32_mask(x, _mm512_set1_epi32(kDepthStateLow));
-      const __m512i next =
-          _mm512_cvtepu16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(words)));
-      x = _mm512_mask_slli_epi32(x, low, x, 16);
-      *states = _mm512_or_si512(x, _mm512_maskz_expand_epi32(low, next));
-      return words + __builtin_popcount(low);
+    [[gnu::always_inline]] static __m512i Decoded(const __m512i& x,
+                                                  const __m512i& frequency,
+                                                  const __m512i& offset) {
+      return _mm512_add_epi32(_mm512_mullo_epi32(frequency, _mm512_srli_epi32(x, kDepthScaleBits)),
+                              offset);
     }
 
     __m512i low_, high_;
