@@ -31,11 +31,20 @@ class ColorRegistration {
                 std::vector<uint8_t>* registered);
 
  private:
-  CameraIntrinsics color_;
+  // From the ideal color image to the one given, px.
+  struct Shift {
+    float u, v;
+  };
+
+  void RegisterRow(size_t channels, uint8_t* registered) const;
+
+  CameraModel color_;
   RayProjection projection_;
   DepthRegistration to_color_;
+  std::vector<Shift> shifts_;      // Of every pixel of the ideal color image; empty: none.
   std::vector<uint16_t> seen_mm_;  // By the ideal color camera.
-  std::vector<float> u_;           // A row's places in its image, as what follows.
+  std::vector<uint8_t> pixels_;    // The color image, and some more to read on into.
+  std::vector<float> u_;           // A row's places in the ideal color image, as what follows.
   std::vector<float> v_;
   std::vector<float> z_;
 };

@@ -6,14 +6,10 @@
 
 #include "common/check.h"
 #include "common/simd.h"
+#include "drivers/camera/bilinear.h"
 
 namespace vantage {
 namespace {
-
-constexpr unsigned kWhole = 256;  // Of a share.
-
-using Bytes = uint8_t __attribute__((vector_size(16)));
-using Words = uint16_t __attribute__((vector_size(16)));
 
 // Where the ray of an ideal pixel falls in the distorted image, px.
 Eigen::Vector2d DistortedPixel(const CameraIntrinsics& intrinsics, int u, int v) {
@@ -27,15 +23,6 @@ Eigen::Vector2d DistortedPixel(const CameraIntrinsics& intrinsics, int u, int v)
 bool IsInside(const Eigen::Vector2d& pixel, const CameraModel& camera) {
   return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < camera.width - 0.5 &&
          pixel.y() < camera.height - 0.5;
-}
-
-// Eight bytes, as numbers.
-[[gnu::always_inline]] inline void Load(const uint8_t* from, Words* numbers) {
-  Bytes bytes = {};
-  std::memcpy(&bytes, from, 8);
-  bytes = __builtin_shufflevector(
-      bytes, Bytes{}, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-  std::memcpy(numbers, &bytes, sizeof(Words));
 }
 
 }  // namespace
@@ -69,7 +56,9 @@ ImageUndistortion::ImageUndistortion(const CameraIntrinsics& intrinsics)
     : width_(static_cast<size_t>(intrinsics.camera.width)) {
   const CameraModel& camera = intrinsics.camera;
   map_.reserve(width_ * static_cast<size_t>(camera.height));
-  const auto share = [](double part) { return static_cast<uint16_t>(std::lround(part * kWhole)); };
+  const auto share = [](double part) {
+    return static_cast<uint16_t>(std::lround(part * bilinear::kWhole));
+  };
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector2d shown = DistortedPixel(intrinsics, u, v);
@@ -105,42 +94,21 @@ void ImageUndistortion::Undistort(int channels, std::vector<uint8_t>* pixels) {
 
 void ImageUndistortion::MixGray(uint8_t* ideal) const {
   for (const Source& source : map_) {
-    uint32_t mixed = 0;
-    if (source.place >= 0) {
-      const uint8_t* top = distorted_.data() + source.place;
-      const uint8_t* bottom = top + width_;
-      const uint32_t left = kWhole - source.right;
-      const uint32_t above = top[0] * left + top[1] * uint32_t{source.right};
-      const uint32_t below = bottom[0] * left + bottom[1] * uint32_t{source.right};
-      mixed = above * (kWhole - source.down) + below * source.down + kWhole * kWhole / 2;
-    }
-    *ideal++ = static_cast<uint8_t>(mixed / (kWhole * kWhole));
+    *ideal++ =
+        source.place < 0
+            ? uint8_t{0}
+            : bilinear::Gray(distorted_.data() + source.place, width_, source.right, source.down);
   }
 }
 
-// Three channels at once: eight bytes reach from a pixel to its right neighbor.
 VANTAGE_SIMD void ImageUndistortion::MixRgb(uint8_t* ideal) const {
   for (const Source& source : map_) {
-    uint32_t mixed = 0;
     if (source.place >= 0) {
       const uint8_t* top = distorted_.data() + 3 * static_cast<size_t>(source.place);
-      const uint16_t up = static_cast<uint16_t>(kWhole - source.down);
-      const uint16_t left = static_cast<uint16_t>(kWhole - source.right);
-      Words above;
-      Words below;
-      Load(top, &above);
-      Load(top + 3 * width_, &below);
-      // At most 255 * 256 + 128, which 16 bits hold.
-      const Words column = (above * up + below * source.down + 128) >> 8;
-      const Words next = __builtin_shufflevector(column, column, 3, 4, 5, 3, 3, 4, 5, 3);
-      const Words both = (column * left + next * source.right + 128) >> 8;
-      Bytes bytes;
-      std::memcpy(&bytes, &both, sizeof(Bytes));
-      bytes = __builtin_shufflevector(
-          bytes, bytes, 0, 2, 4, 6, 8, 10, 12, 14, 0, 2, 4, 6, 8, 10, 12, 14);
-      std::memcpy(&mixed, &bytes, sizeof(mixed));
+      bilinear::Rgb(top, 3 * width_, source.right, source.down, ideal);
+    } else {
+      std::memset(ideal, 0, 3);
     }
-    std::memcpy(ideal, &mixed, 3);
     ideal += 3;
   }
 }

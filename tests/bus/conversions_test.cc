@@ -78,6 +78,16 @@ TEST(CameraConversion, RoundTrips) {
   EXPECT_EQ(*back, camera);
 }
 
+TEST(CameraConversion, TellsTheDistortionThatIsLeft) {
+  EXPECT_EQ(CameraToMessage({}, {}, 1, 2).distortion_model, "none");
+  const camera_info_t message =
+      CameraToMessage({}, {}, 1, 2, {.k1 = 0.1, .k2 = 0.2, .p1 = 0.3, .p2 = 0.4, .k3 = 0.5});
+  EXPECT_EQ(message.distortion_model, "brown_conrady");
+  EXPECT_EQ(message.num_distortion, 5);
+  EXPECT_EQ(message.distortion, (std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5}));
+  EXPECT_FALSE(CameraFromMessage(message).ok());  // No pinhole camera.
+}
+
 TEST(CameraConversion, RefusesHostileValues) {
   const std::vector<std::function<void(camera_info_t*)>> attacks = {
       [](camera_info_t* m) { m->utime = kMinTime; },
