@@ -41,11 +41,15 @@ std::string FormatsOf(int fd, uint32_t buffer_type) {
   const std::vector<VideoFormat> formats = ReadVideoFormats(fd, buffer_type, 0, 0);
   std::string text = Line("formats", formats.empty() ? "none" : "");
   for (const VideoFormat& format : formats) {
-    const bool known = FindPixelFormat(format.fourcc) != nullptr;
-    text += Format("    %-4s  %s%s\n",
-                   FourccText(format.fourcc).c_str(),
-                   format.description.c_str(),
-                   known ? "" : " (not known here)");
+    text += Format("    %-4s  %s", FourccText(format.fourcc).c_str(), format.description.c_str());
+    if (FindPixelFormat(format.fourcc) == nullptr) text += ", not known here";
+    // Most devices have the same for all.
+    const auto same = std::ranges::find(formats, format.sizes, &VideoFormat::sizes);
+    if (!format.sizes.empty() && &*same != &format) {
+      text.append(", sizes and rates of ").append(FourccText(same->fourcc)).append("\n");
+      continue;
+    }
+    text += "\n";
     for (const VideoSize& size : format.sizes) {
       text += Format("      %-10s  %s\n", SizeText(size).c_str(), RatesText(size).c_str());
     }

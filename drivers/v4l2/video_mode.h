@@ -25,6 +25,8 @@ struct VideoSize {
   ModeRange width;               ///< px
   ModeRange height;              ///< px
   std::vector<ModeRange> rates;  ///< Hz; empty: the driver does not say
+
+  bool operator==(const VideoSize&) const = default;
 };
 
 /// What a device offers in one pixel format.
