@@ -27,6 +27,7 @@ struct SimAbilities {
   bool full_color_only = false;  ///< color only of full resolution
   bool infrared = false;         ///< lists an infrared sensor, which gives no stream
   std::chrono::milliseconds opening_time{0};
+  std::chrono::milliseconds color_delay{0};  ///< by which color is taken after its depth
 };
 
 }  // namespace vantage

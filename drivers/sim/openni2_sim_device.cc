@@ -154,7 +154,9 @@ void SimDevice::TakeImages(const Pose& T_world_camera, int64_t index, const std:
                               .is_resized = take_fault_(Kind::kResized),
                               .is_absurd = take_fault_(Kind::kAbsurdSize)};
   const bool is_early = take_fault_(Kind::kStampBack);
-  const bool color_late = take_fault_(Kind::kColorLate);
+  const Clock::duration color_delay =
+      take_fault_(Kind::kColorLate) ? kFramePeriod / 2 : Clock::duration(abilities_.color_delay);
+  const bool color_late = color_delay > Clock::duration::zero();
   const bool no_color =
       take_fault_(Kind::kColorStop) || (take_fault_(Kind::kColorHalfRate) && index % 2 != 0);
   std::vector<std::shared_ptr<SimStream>> streams;
@@ -173,7 +175,7 @@ void SimDevice::TakeImages(const Pose& T_world_camera, int64_t index, const std:
     if (stream->sensor() == ONI_SENSOR_DEPTH) {
       DeliverDepth(*stream, Stamp(now, is_early), faults);
     } else if (!no_color) {
-      const Clock::time_point taken = color_late ? now + kFramePeriod / 2 : now;
+      const Clock::time_point taken = now + color_delay;
       if (color_late) WaitUntil(taken, stop);
       const uint64_t offset = take_fault_(Kind::kColorOffset) ? kColorOffset : 0;
       DeliverColor(*stream, Stamp(taken, is_early) + offset, faults);

@@ -51,6 +51,18 @@ TEST_F(Openni2Color, PairsAreOfOneExposure) {
   EXPECT_EQ(NumPairs() + camera_->status().num_unpaired, static_cast<int64_t>(frames_.size()));
 }
 
+TEST_F(Openni2Color, TakenLaterItIsWaitedForAndSaysByHowMuch) {
+  abilities_.color_delay = std::chrono::milliseconds(10);
+  Create("index:0");
+  ASSERT_TRUE(GrabWithColor());
+  ASSERT_TRUE(GrabFrames(15));
+  ExpectSoundPairs();
+  for (const CameraFrame& frame : frames_) {
+    EXPECT_TRUE(!frame.color || frame.color->utime - frame.utime == 10'000);
+  }
+  EXPECT_EQ(camera_->status().color_delay_s, 0.01);
+}
+
 TEST_F(Openni2Color, StoppedDepthGoesOnAlone) {
   Create("index:0");
   ASSERT_TRUE(GrabWithColor());

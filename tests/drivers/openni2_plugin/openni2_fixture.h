@@ -59,10 +59,10 @@ inline void SetAbilities(const SimAbilities& abilities) {
 /// What the simulated device shows from the test's pose.
 class ExpectedImages {
  public:
-  ExpectedImages() {
+  explicit ExpectedImages(double azimuth = kTestAzimuth) {
     setup_.scene = TestScene();
     setup_.sensor.SwitchAllOff();
-    camera_.Expose(ViewOnSphere(kTestTarget, kTestAzimuth, kTestElevation, kTestRadius), 1, 0.0);
+    camera_.Expose(ViewOnSphere(kTestTarget, azimuth, kTestElevation, kTestRadius), 1, 0.0);
   }
   const std::vector<uint16_t>& Depth(int width = 640) { return camera_.Depth(width); }
   const std::vector<uint8_t>& Color(int width = 640) { return camera_.Color(width); }

@@ -126,6 +126,35 @@ TEST_F(Openni2Recording, ColorIsPlayedBackWithItsDepth) {
   EXPECT_GE(static_cast<size_t>(num_pairs) + 1, frames_.size());
 }
 
+// OpenNI2 stamps the first image of each stream 0. A recording that began between a depth image and
+// its color would pair each with another one's.
+TEST_F(Openni2Recording, PairsStayPairsThoughColorComesLater) {
+  abilities_.color_delay = std::chrono::milliseconds(12);
+  options_.stream.color = true;
+  Create("index:0", {.file = file()});
+  constexpr int kNumPoses = 12;
+  const auto azimuth = [](int i) { return kTestAzimuth + 0.05 * i; };
+  for (int i = 0; i < kNumPoses; ++i) {
+    SetPose(azimuth(i));
+    ASSERT_TRUE(GrabFrames(2));
+  }
+  Play(file());
+  // Images of one exposure show the same pose.
+  std::map<std::vector<uint16_t>, std::vector<uint8_t>> color_of_depth;
+  for (int i = 0; i < kNumPoses; ++i) {
+    ExpectedImages expected(azimuth(i));
+    color_of_depth[expected.Depth()] = expected.Color();
+  }
+  int num_pairs = 0;
+  for (const CameraFrame& frame : frames_) {
+    if (!frame.color) continue;
+    ASSERT_TRUE(color_of_depth.contains(frame.depth_mm));
+    EXPECT_EQ(frame.color->data, color_of_depth[frame.depth_mm]);
+    ++num_pairs;
+  }
+  EXPECT_GE(num_pairs, kNumPoses);
+}
+
 TEST_F(Openni2Recording, WithoutAnyColorDepthIsRecordedAlone) {
   options_.stream.color = true;
   Create("index:0", {.file = file()});
