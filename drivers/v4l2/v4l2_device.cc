@@ -21,6 +21,7 @@ Result<std::unique_ptr<CameraDevice>> V4l2Device::Open(const std::string& path,
                                                        const std::vector<std::string>& color_paths,
                                                        const V4l2Options& options,
                                                        const std::function<void()>& on_start) {
+  if (Result<void> valid = options.disparity.Validate(); !valid) return valid.error();
   Result<std::unique_ptr<V4l2Stream>> stream = V4l2Stream::Open(path);
   if (!stream) return stream.error();
   return std::unique_ptr<CameraDevice>(

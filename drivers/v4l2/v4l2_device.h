@@ -21,7 +21,7 @@ class V4l2Device : public CameraDevice {
   /// @param serial of its USB device, empty if it has none.
   /// @param color_paths nodes that options.color_device may mean; the first that has color is it.
   /// @param on_start called when it streams.
-  /// Errors: as of V4l2Stream::Open().
+  /// Errors: as of DisparityModel::Validate() and V4l2Stream::Open().
   static Result<std::unique_ptr<CameraDevice>> Open(const std::string& path,
                                                     const std::string& serial,
                                                     const std::vector<std::string>& color_paths,
