@@ -9,8 +9,10 @@
 // file lies <file>.root: what stands for /dev and /sys, and state/videoN.txt with what was set.
 // Several processes share the devices as they share real ones: a second one gets EBUSY.
 //
-// Frames come at their rate, stamped with the time when they were due; the thread that dequeues
-// copies them into the buffer (0.06 ms for VGA of 16 bits), which is all that this costs a process.
+// Frames come at their rate, stamped with the time when they were due. Those of a period are drawn
+// at STREAMON, or read from a file ("frames FILE"); the thread that dequeues copies them into the
+// buffer. That is all that it costs a process: with 640 x 480 px of 16 bits at 30 Hz v4l2-ctl uses
+// 0.5 % of a core, its own work included.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
