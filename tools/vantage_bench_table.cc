@@ -209,8 +209,13 @@ Result<json> MakeRows(const std::vector<Measured>& measured,
                       const std::string& bars_file) {
   json rows = json::array();
   for (const Measured& each : measured) {
-    const auto bar = bars.find(each.name);
-    rows.push_back(MakeRow(each, bar == bars.end() ? BenchBar{} : bar->second, measured));
+    const auto found = bars.find(each.name);
+    const BenchBar bar = found == bars.end() ? BenchBar{} : found->second;
+    rows.push_back(MakeRow(each, bar, measured));
+    if (!bar.is_peers || !rows.back()["peer"].is_null()) continue;
+    return Error{ErrorCode::kNotFound,
+                 bars_file + " holds " + each.name + " against " + bar.peer +
+                     ", which did not run, or in another unit"};
   }
   for (const auto& [name, bar] : bars) {
     const bool present = std::any_of(

@@ -91,6 +91,35 @@ TEST_F(BenchTable, PeerOfAnotherUnitIsNoPeer) {
   EXPECT_TRUE(Out()["rows"][0]["ratio"].is_null());
 }
 
+TEST_F(BenchTable, APeerMayBeTheBar) {
+  ASSERT_EQ(Run("p,Ours,peer,Peer\n", kMeasured, "--check").exit_code, 0);
+  EXPECT_EQ(Out()["rows"][0]["bar"], 50.0);
+  EXPECT_EQ(Out()["rows"][0]["met"], true);
+  EXPECT_EQ(Run("p,Peer,peer,Ours\n", kMeasured, "--check").exit_code, 1);
+  std::filesystem::remove(scratch() / "out.json");
+  ExpectRefused("p,Ours,peer,Slow\n", kMeasured, "holds Ours against Slow, which did not run");
+  ExpectRefused("p,Ours,peer,\n", kMeasured, "or peer where there is one");
+}
+
+TEST_F(BenchTable, CountersHaveBars) {
+  const ProgramOutput output = Run("p,Ours/error_deg,0.3,\n", kMeasured, "--check");
+  ASSERT_EQ(output.exit_code, 0) << output.text;
+  ASSERT_EQ(Out()["rows"].size(), 4U);
+  EXPECT_EQ(Out()["rows"][3]["name"], "Ours/error_deg");
+  EXPECT_EQ(Out()["rows"][3]["value"], 0.25);
+  EXPECT_EQ(Run("p,Ours/error_deg,0.2,\n", kMeasured, "--check").exit_code, 1);
+  std::filesystem::remove(scratch() / "out.json");
+  ExpectRefused("p,Ours/iterations,9,\n", kMeasured, "Ours/iterations");
+}
+
+TEST_F(BenchTable, OptionalBenchmarksMayBeAbsent) {
+  const ProgramOutput output = Run("p,?Gone,5,\np,?Ours,20,\n", kMeasured, "--check");
+  EXPECT_EQ(output.exit_code, 0) << output.text;
+  EXPECT_NE(output.text.find("not measured, as its data are not there: Gone"), std::string::npos);
+  EXPECT_EQ(Out()["rows"][0]["met"], true);
+  EXPECT_EQ(Run("p,?Ours,19,\n", kMeasured, "--check").exit_code, 1);
+}
+
 constexpr const char* kPoses =
     R"({"model":"cup","estimator":"ours","view":0,"is_peer":false,"ms":2,"stages_ms":{"a":2},)"
     R"("within":true,"success":true,"angle_deg":0.5,"distance_mm":1})"
