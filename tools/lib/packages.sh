@@ -1,10 +1,10 @@
 # Installs what packages.txt names. Sourced; needs $root, the project's folder.
 
-# install_packages [bench | test | kernel]: the packages of packages.txt that are not there yet; those with a
-# mark only when asked for.
+# install_packages [bench | test | kernel]: the packages of packages.txt that are not there yet; those
+# with marks only when one of these is asked for.
 install_packages() {
   local wanted missing=() name
-  wanted=$(sed -e 's/#.*//' "$root/packages.txt" | awk -v with="${1:-}" 'NF == 1 || $2 == with { print $1 }')
+  wanted=$(sed -e 's/#.*//' "$root/packages.txt" | awk -v with="${1:-}" 'NF == 1 || $2 == with || (NF > 2 && $3 == with) { print $1 }')
   for name in $wanted; do
     dpkg-query -W -f '${db:Status-Status}\n' "$name" 2>/dev/null | grep -qx installed || missing+=("$name")
   done
