@@ -89,7 +89,9 @@ void DepthPalette::Append(std::vector<uint8_t>* bytes) const {
   Append16(values_[1], bytes);
   uint32_t factor = 0;
   for (size_t i = 2; i <= size_; ++i) {
-    factor = std::gcd(factor, static_cast<uint32_t>(values_[i] - values_[i - 1]));
+    const auto difference = static_cast<uint32_t>(values_[i] - values_[i - 1]);
+    if (factor == 0 || difference % factor != 0) factor = std::gcd(factor, difference);
+    if (factor == 1) break;
   }
   factor = std::max(factor, 1U);
   const auto step = [&](size_t i) {
