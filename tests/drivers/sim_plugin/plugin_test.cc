@@ -1,6 +1,5 @@
 // The simulated device through the ordinary OpenNI2 API, as any program sees it.
 #include <OpenNI.h>
-#include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -15,9 +14,9 @@
 
 #include "command_module.h"
 #include "common/depth_image.h"
-#include "drivers/sim/fault_state.h"
 #include "drivers/sim/scene_renderer.h"
 #include "drivers/sim/sim_arm.h"
+#include "tests/drivers/sim_plugin/loaded_plugin.h"
 
 namespace vantage {
 namespace {
@@ -26,27 +25,8 @@ constexpr int kLongMs = 20'000;  // Far more than anything takes; only a failure
 constexpr int kShortMs = 300;    // A silence of nine frames.
 const std::string kUri = std::string("vantage-sim://") + kTestSerial;
 
-/// Calls a sim_test_ function of the plugin that OpenNI2 has loaded.
-template <class... Arguments>
-void Command(const char* name, Arguments... arguments) {
-  Dl_info library{};
-  ASSERT_NE(dladdr(reinterpret_cast<void*>(oniInitialize), &library), 0);
-  const std::filesystem::path plugin = std::filesystem::path(library.dli_fname).parent_path() /
-                                       "OpenNI2/Drivers/libVantageSimTest.so.0";
-  void* handle = dlopen(plugin.c_str(), RTLD_NOW | RTLD_NOLOAD);
-  ASSERT_NE(handle, nullptr) << "OpenNI2 has not loaded " << plugin;
-  auto* function = reinterpret_cast<void (*)(Arguments...)>(dlsym(handle, name));
-  ASSERT_NE(function, nullptr);
-  function(arguments...);
-  dlclose(handle);
-}
-
 void SetPose(double azimuth_deg, double elevation_deg, double radius) {
   Command("sim_test_set_pose", azimuth_deg * kDegree, elevation_deg * kDegree, radius);
-}
-
-void Fault(SimFault::Kind kind, double duration = 0.0) {
-  Command("sim_test_fault", static_cast<int>(kind), duration);
 }
 
 bool WaitForFrame(openni::VideoStream* stream, int timeout_ms) {
