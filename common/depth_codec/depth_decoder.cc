@@ -52,10 +52,13 @@ Result<void> DepthDecoder::Decode(std::span<const uint8_t> payload,
       wrong = DecodeStored(bytes, depth);
       break;
     case DepthMode::kCoded:
-      wrong = DecodeCoded(layout, bytes, depth);
+      wrong = DecodeCoded(layout, bytes, depth->data(), layout.width);
+      break;
+    case DepthMode::kWindow:
+      wrong = DecodeWindow(layout, bytes, depth);
       break;
     default:
-      wrong = Format("its mode is %d, expected 0 or 1", payload[12]);
+      wrong = Format("its mode is %d, expected 0 to 2", payload[12]);
   }
   if (!wrong.empty()) return corrupt(wrong);
   return {};
@@ -70,9 +73,28 @@ std::string DepthDecoder::DecodeStored(std::span<const uint8_t> bytes,
   return {};
 }
 
+std::string DepthDecoder::DecodeWindow(const DepthLayout& image,
+                                       std::span<const uint8_t> bytes,
+                                       std::vector<uint16_t>* depth) {
+  constexpr size_t kBytes = 8;
+  if (bytes.size() < kBytes) return "its window is cut off";
+  const size_t left = Load(bytes.data(), 2);
+  const size_t top = Load(bytes.data() + 2, 2);
+  const size_t width = Load(bytes.data() + 4, 2);
+  const size_t height = Load(bytes.data() + 6, 2);
+  if (width == 0 || height == 0 || left + width > image.width || top + height > image.height) {
+    return Format("its window is %zu x %zu px at (%zu, %zu)", width, height, left, top);
+  }
+  std::ranges::fill(*depth, uint16_t{0});
+  const DepthLayout layout(static_cast<int>(width), static_cast<int>(height));
+  return DecodeCoded(
+      layout, bytes.subspan(kBytes), depth->data() + top * image.width + left, image.width);
+}
+
 std::string DepthDecoder::DecodeCoded(const DepthLayout& layout,
                                       std::span<const uint8_t> bytes,
-                                      std::vector<uint16_t>* depth) {
+                                      uint16_t* depth,
+                                      size_t stride) {
   if (!palette_.Read(&bytes)) return "its palette is damaged";
   if (!ReadTables(&bytes)) return "its frequencies are damaged";
   if (bytes.size() < sizeof(states_) || bytes.size() % 2 != 0) {
@@ -91,7 +113,7 @@ std::string DepthDecoder::DecodeCoded(const DepthLayout& layout,
   words_.resize(num_words + padding);
   if (num_words > 0) std::memcpy(words_.data(), bytes.data(), bytes.size());
   std::fill(words_.end() - static_cast<std::ptrdiff_t>(padding), words_.end(), uint16_t{0});
-  if (!DecodeRows(layout, num_words, depth)) return "its pixels are damaged";
+  if (!DecodeRows(layout, num_words, depth, stride)) return "its pixels are damaged";
   return {};
 }
 
@@ -112,7 +134,8 @@ bool DepthDecoder::ReadTables(std::span<const uint8_t>* bytes) {
 
 bool DepthDecoder::DecodeRows(const DepthLayout& layout,
                               size_t num_words,
-                              std::vector<uint16_t>* depth) {
+                              uint16_t* depth,
+                              size_t stride) {
   DecodeTask task{};
   task.columns = layout.columns;
   task.num_ranks = palette_.size();
@@ -135,7 +158,7 @@ bool DepthDecoder::DecodeRows(const DepthLayout& layout,
     if (!task.sound || task.words > words_.data() + num_words) return false;
     for (size_t band = 0; band < task.bands; ++band) {
       rows_[band].Advance();
-      PutRow(layout, task.ranks[band], depth->data() + (row + band * layout.rows) * layout.width);
+      PutRow(layout, task.ranks[band], depth + (row + band * layout.rows) * stride);
     }
   }
   // The encoder began with these states and no words.

@@ -33,11 +33,16 @@ class DepthDecoder {
  private:
   // What is wrong, or nothing.
   std::string DecodeStored(std::span<const uint8_t> bytes, std::vector<uint16_t>* depth);
+  std::string DecodeWindow(const DepthLayout& image,
+                           std::span<const uint8_t> bytes,
+                           std::vector<uint16_t>* depth);
+  // Into `depth`, with `stride` from one row to the next.
   std::string DecodeCoded(const DepthLayout& layout,
                           std::span<const uint8_t> bytes,
-                          std::vector<uint16_t>* depth);
+                          uint16_t* depth,
+                          size_t stride);
   bool ReadTables(std::span<const uint8_t>* bytes);
-  bool DecodeRows(const DepthLayout& layout, size_t num_words, std::vector<uint16_t>* depth);
+  bool DecodeRows(const DepthLayout& layout, size_t num_words, uint16_t* depth, size_t stride);
   void PutRow(const DepthLayout& layout, const uint16_t* ranks, uint16_t* depth) const;
 
   DepthKernels kernels_;

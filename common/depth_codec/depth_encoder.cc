@@ -5,6 +5,7 @@
 
 #include "common/check.h"
 #include "common/depth_codec/crc32c.h"
+#include "common/depth_codec/depth_window.h"
 
 namespace vantage {
 namespace {
@@ -13,6 +14,11 @@ constexpr size_t kSampledRows = 32;  // At least so many rows of a band are coun
 
 void Store(size_t value, size_t bytes, uint8_t* out) {
   for (size_t i = 0; i < bytes; ++i) out[i] = static_cast<uint8_t>(value >> (8 * i));
+}
+
+// A window saves time by the pixels that it leaves out; its numbers take 8 bytes.
+bool IsWorthIt(const DepthWindow& window, size_t num_pixels) {
+  return 8 * window.width * window.height < 7 * num_pixels;
 }
 
 }  // namespace
@@ -30,14 +36,26 @@ void DepthEncoder::Encode(int width,
   VANTAGE_CHECK(width > 0 && height > 0 && width <= kMaxDepthSide && height <= kMaxDepthSide &&
                     depth.size() == static_cast<size_t>(width) * static_cast<size_t>(height),
                 "a depth image has width * height values");
-  const DepthLayout layout(width, height);
+  const auto image_width = static_cast<size_t>(width);
   const size_t stored_bytes = kDepthHeaderBytes + 2 * depth.size();
   payload->resize(kDepthHeaderBytes);
-  palette_.Build(depth, layout.width, kernels_);
-  Tokenize(layout, depth);
+  DepthMode mode = DepthMode::kCoded;
+  DepthWindow window{0, 0, image_width, static_cast<size_t>(height)};
+  if (const DepthWindow used = FindDepthWindow(depth, image_width); IsWorthIt(used, depth.size())) {
+    window = used;
+    mode = DepthMode::kWindow;
+    for (const size_t number : {used.left, used.top, used.width, used.height}) {
+      payload->resize(payload->size() + 2);
+      Store(number, 2, payload->data() + payload->size() - 2);
+    }
+  }
+  const DepthLayout layout(static_cast<int>(window.width), static_cast<int>(window.height));
+  const std::span<const uint16_t> rows =
+      depth.subspan(window.top * image_width, window.height * image_width);
+  palette_.Build(rows, image_width, kernels_);
+  Tokenize(layout, rows.data() + window.left, image_width);
   CountSymbols(layout);
   AppendTables(payload);
-  DepthMode mode = DepthMode::kCoded;
   if (!AppendWords(layout, payload) || payload->size() >= stored_bytes) {
     mode = DepthMode::kStored;
     payload->resize(stored_bytes);
@@ -45,13 +63,13 @@ void DepthEncoder::Encode(int width,
   }
   uint8_t* header = payload->data();
   Store(kDepthMagic, 4, header);
-  Store(layout.width, 2, header + 8);
-  Store(layout.height, 2, header + 10);
+  Store(image_width, 2, header + 8);
+  Store(static_cast<size_t>(height), 2, header + 10);
   Store(static_cast<size_t>(mode), 1, header + 12);
   Store(Crc32c(std::span(*payload).subspan(8)), 4, header + 4);
 }
 
-void DepthEncoder::Tokenize(const DepthLayout& layout, std::span<const uint16_t> depth) {
+void DepthEncoder::Tokenize(const DepthLayout& layout, const uint16_t* depth, size_t stride) {
   ranks_.assign(DepthLayout::kStrips * layout.columns, 0);
   const size_t row_size = DepthLayout::kLanes * layout.columns;
   tokens_.resize(layout.rows * row_size);
@@ -65,7 +83,7 @@ void DepthEncoder::Tokenize(const DepthLayout& layout, std::span<const uint16_t>
   task.ranks = ranks_.data();
   for (size_t row = 0; row < layout.rows; ++row) {
     for (size_t band = 0; band < layout.BandsOf(row); ++band) {
-      TakeRanks(layout, depth.data() + (row + band * layout.rows) * layout.width);
+      TakeRanks(layout, depth + (row + band * layout.rows) * stride);
       task.above = rows_[band].above();
       task.row = rows_[band].row();
       task.tokens = tokens_.data() + row * row_size + DepthLayout::kStrips * band;

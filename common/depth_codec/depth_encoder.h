@@ -31,7 +31,8 @@ class DepthEncoder {
               std::vector<uint8_t>* payload);
 
  private:
-  void Tokenize(const DepthLayout& layout, std::span<const uint16_t> depth);
+  // `depth`: the first pixel of what is coded; `stride`: from one row to the next.
+  void Tokenize(const DepthLayout& layout, const uint16_t* depth, size_t stride);
   void TakeRanks(const DepthLayout& layout, const uint16_t* depth);
   void CountSymbols(const DepthLayout& layout);
   void AppendTables(std::vector<uint8_t>* payload);

@@ -13,6 +13,7 @@ inline constexpr int kMaxDepthSide = 4096;  ///< px
 enum class DepthMode : uint8_t {
   kStored = 0,  ///< width * height pixels of 2 bytes
   kCoded = 1,   ///< palette, frequencies, states, words
+  kWindow = 2,  ///< left, top, width, height of a window; then as kCoded, of the window alone
 };
 
 /// How an image is cut so that 64 pixels can be coded at once: into an upper and a lower band of

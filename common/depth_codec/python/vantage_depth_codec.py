@@ -254,6 +254,17 @@ def _decode_coded(data, at, width, height):
     return image[:height, :width].copy()
 
 
+def _decode_window(data, at, width, height):
+    if len(data) < at + 8:
+        raise DepthCodecError("the window is cut off")
+    left, top, wide, high = (_u16(data, at + 2 * i) for i in range(4))
+    if wide == 0 or high == 0 or left + wide > width or top + high > height:
+        raise DepthCodecError(f"its window is {wide} x {high} px at ({left}, {top})")
+    image = np.zeros((height, width), np.uint16)
+    image[top:top + high, left:left + wide] = _decode_coded(data, at + 8, wide, high)
+    return image
+
+
 def decode(payload):
     """The image of a payload: height x width, uint16. Raises DepthCodecError."""
     data = bytes(payload)
@@ -271,9 +282,11 @@ def decode(payload):
             raise DepthCodecError(f"{len(data) - 13} bytes of pixels, "
                                   f"expected {2 * width * height}")
         return np.frombuffer(data, "<u2", -1, 13).reshape(height, width).astype(np.uint16)
-    if mode != 1:
-        raise DepthCodecError(f"its mode is {mode}, expected 0 or 1")
-    return _decode_coded(data, 13, width, height)
+    if mode == 1:
+        return _decode_coded(data, 13, width, height)
+    if mode == 2:
+        return _decode_window(data, 13, width, height)
+    raise DepthCodecError(f"its mode is {mode}, expected 0 to 2")
 
 
 def _write_pgm(image, name):

@@ -83,6 +83,25 @@ TEST(DamagedDepth, SaysWhatIsWrong) {
   EXPECT_NE(ErrorOf(other).find("expected 864"), std::string::npos);
 }
 
+TEST(DamagedDepth, AWindowThatLeavesTheImageIsRefused) {
+  std::vector<uint16_t> depth(size_t{kWidth} * kHeight, 0);
+  for (size_t i = 0; i < 12; ++i) depth[5 * kWidth + 20 + i] = static_cast<uint16_t>(700 + i);
+  const std::vector<uint8_t> sound = DepthEncoder().Encode(kWidth, kHeight, depth);
+  ASSERT_EQ(sound[12], static_cast<uint8_t>(DepthMode::kWindow));
+  ASSERT_EQ(ErrorOf(sound), "");
+  // Left, top, width, height; each as 0 and too large by one.
+  const struct {
+    size_t byte;
+    uint8_t value;
+  } changes[] = {{13, 37}, {15, 9}, {17, 0}, {17, 29}, {19, 0}, {19, 5}, {18, 255}, {14, 255}};
+  for (const auto& change : changes) {
+    std::vector<uint8_t> payload = sound;
+    payload[change.byte] = change.value;
+    MendChecksum(&payload);
+    EXPECT_NE(ErrorOf(payload).find("its window is"), std::string::npos) << ErrorOf(payload);
+  }
+}
+
 TEST(DamagedDepth, ForgedBytesHarmNothing) {
   // Whoever makes up bytes can make up a checksum too. What decodes then is an image of the right
   // size.

@@ -1,4 +1,4 @@
-// The parts of the depth codec: checksum, palette, frequencies.
+// The parts of the depth codec: checksum, palette, window, frequencies.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -6,6 +6,7 @@
 
 #include "common/depth_codec/crc32c.h"
 #include "common/depth_codec/depth_palette.h"
+#include "common/depth_codec/depth_window.h"
 #include "common/depth_codec/symbol_frequencies.h"
 #include "common/rng.h"
 
@@ -114,6 +115,35 @@ void ExpectFrequencies(const std::vector<uint32_t>& counts) {
   std::vector<uint16_t> back(counts.size());
   ASSERT_TRUE(ReadFrequencies(bytes, back));
   EXPECT_EQ(back, frequencies);
+}
+
+TEST(DepthWindow, HoldsWhatIsMeasuredAndNoMore) {
+  Rng rng(4);
+  for (int round = 0; round < 3000; ++round) {
+    const size_t width = 1 + rng.Below(9);
+    const size_t height = 1 + rng.Below(7);
+    std::vector<uint16_t> depth(width * height, 0);
+    for (uint32_t i = rng.Below(4); i > 0; --i) {
+      depth[rng.Below(static_cast<uint32_t>(depth.size()))] = 500;
+    }
+    size_t left = width;
+    size_t right = 0;
+    size_t top = height;
+    size_t bottom = 0;
+    for (size_t i = 0; i < depth.size(); ++i) {
+      if (depth[i] == 0) continue;
+      left = std::min(left, i % width);
+      right = std::max(right, i % width + 1);
+      top = std::min(top, i / width);
+      bottom = std::max(bottom, i / width + 1);
+    }
+    if (right == 0) left = top = 0, right = bottom = 1;
+    const DepthWindow window = FindDepthWindow(depth, width);
+    EXPECT_EQ(window.left, left);
+    EXPECT_EQ(window.top, top);
+    EXPECT_EQ(window.width, right - left);
+    EXPECT_EQ(window.height, bottom - top);
+  }
 }
 
 TEST(SymbolFrequencies, SumUpAndComeBack) {

@@ -96,10 +96,34 @@ public final class DepthCodec {
     if (mode == 0) {
       return decodeStored(data, width, height);
     }
-    if (mode != 1) {
-      throw new CorruptException("its mode is " + mode + ", expected 0 or 1");
+    if (mode == 1) {
+      return new DepthCodec(data, width, height).decodeCoded();
     }
-    return new DepthCodec(data, width, height).decodeCoded();
+    if (mode == 2) {
+      return decodeWindow(data, width, height);
+    }
+    throw new CorruptException("its mode is " + mode + ", expected 0 to 2");
+  }
+
+  private static Image decodeWindow(ByteBuffer data, int width, int height)
+      throws CorruptException {
+    if (data.remaining() < 8) {
+      throw new CorruptException("the window is cut off");
+    }
+    int left = data.getShort() & 0xffff;
+    int top = data.getShort() & 0xffff;
+    int wide = data.getShort() & 0xffff;
+    int high = data.getShort() & 0xffff;
+    if (wide == 0 || high == 0 || left + wide > width || top + high > height) {
+      throw new CorruptException(
+          "its window is " + wide + " x " + high + " px at (" + left + ", " + top + ")");
+    }
+    Image window = new DepthCodec(data, wide, high).decodeCoded();
+    short[] pixels = new short[width * height];
+    for (int v = 0; v < high; ++v) {
+      System.arraycopy(window.pixels(), v * wide, pixels, (top + v) * width + left, wide);
+    }
+    return new Image(width, height, pixels);
   }
 
   private static Image decodeStored(ByteBuffer data, int width, int height)

@@ -47,9 +47,11 @@ std::vector<TestDepth> AdversarialDepths(Rng& rng) {
                                                   {1, 100},
                                                   {500, 1},
                                                   {97, 41}};
-  for (const auto& [width, height] : sizes) {
-    const auto add = [&, w = width, h = height](const char* name, auto value) {
-      images.push_back(Make(name, w, h, value));
+  for (const auto& size : sizes) {
+    const int width = size.first;
+    const int height = size.second;
+    const auto add = [&](const char* name, auto value) {
+      images.push_back(Make(name, width, height, value));
     };
     add("nothing", [](int, int) { return 0U; });
     add("constant", [](int, int) { return 65535U; });
@@ -58,6 +60,11 @@ std::vector<TestDepth> AdversarialDepths(Rng& rng) {
     add("few values", [&](int, int) { return rng.Below(9) * 7000; });
     add("checkers", [](int u, int v) { return (u + v) % 2 == 0 ? 1U : 65535U; });
     add("checkers of nothing", [](int u, int v) { return (u + v) % 2 == 0 ? 0U : 800U; });
+    add("island", [&](int u, int v) {
+      const bool inside = u >= width / 3 && u <= width / 2 && v >= height / 4 && v <= height / 2;
+      return inside ? rng.Below(3) * 5 + 700 : 0U;
+    });
+    add("last pixel", [&](int u, int v) { return u == width - 1 && v == height - 1 ? 900U : 0U; });
     add("ramp", [](int u, int v) { return static_cast<uint32_t>(1 + 3 * u + 5 * v); });
     add("steep ramp", [](int u, int v) { return static_cast<uint32_t>(977 * u + 3001 * v); });
     add("outliers", [&](int u, int) {
