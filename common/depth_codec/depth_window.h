@@ -15,7 +15,7 @@ struct DepthWindow {
 };
 
 /// The smallest window with all that was measured; one pixel where nothing was.
-/// @param width px, of the image; `depth` holds whole rows, at least one
+/// @param width px, 1..kMaxDepthSide, of the image; `depth` holds whole rows, at least one
 DepthWindow FindDepthWindow(std::span<const uint16_t> depth, size_t width);
 
 }  // namespace vantage
