@@ -10,6 +10,7 @@
 
 #include "bus/live_bus.h"
 #include "bus/process_name_lock.h"
+#include "common/format.h"
 #include "nodes/command_line.h"
 
 namespace vantage {
@@ -131,9 +132,10 @@ int RunProcess(int argc,
   if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
   if (wants_list) return PrintDevices(options.name, list);
   if (config_option->empty()) {
-    return Fail(options.name,
+    const std::string program = app.get_name();
+    return Fail(program,
                 {ErrorCode::kInvalidArgument,
-                 "--config is required; see vantage-" + default_name + " --help"});
+                 Format("--config is required; see %s --help", program.c_str())});
   }
 
   Result<ConfigReader> config = ConfigReader::Open(config_file);
