@@ -23,26 +23,37 @@ std::string Lower(std::string text) {
   return text;
 }
 
-// Names of the cameras of a driver; the key "driver" of all of them is read.
-std::vector<std::string> CamerasOf(ConfigReader::Table& cameras, const std::string& driver) {
+// Names of the cameras of a driver; the key "driver" of all of them is read. `others`: what the
+// others say.
+std::vector<std::string> CamerasOf(ConfigReader::Table& cameras,
+                                   const std::string& driver,
+                                   std::string* others) {
   std::vector<std::string> names;
   for (const std::string& name : cameras.Keys()) {
     std::string its_driver = "openni2";
+    std::string as_written = its_driver;
+    cameras.Sub(name).Read("driver", &as_written);
     cameras.Sub(name).ReadChoice("driver", &its_driver, {"openni2", "v4l2"});
-    if (its_driver == driver) names.push_back(name);
+    if (its_driver == driver) {
+      names.push_back(name);
+    } else {
+      *others += Format("; [camera.%s] has driver = \"%s\"", name.c_str(), as_written.c_str());
+    }
   }
   return names;
 }
 
 Result<std::string> ChooseCamera(const std::vector<std::string>& names,
                                  const std::string& process_name,
-                                 const std::string& driver) {
+                                 const std::string& driver,
+                                 const std::string& others) {
   const std::string prefix = driver + "-";
   if (names.empty()) {
     return Error{ErrorCode::kNotFound,
                  Format("the config has no [camera.<NAME>] with driver = \"%s\", expected one such "
-                        "as [camera.XTION] with device = \"index:0\"",
-                        driver.c_str())};
+                        "as [camera.XTION] with device = \"index:0\"%s",
+                        driver.c_str(),
+                        others.c_str())};
   }
   if (!process_name.starts_with(prefix)) return names.front();
   for (const std::string& name : names) {
@@ -106,7 +117,9 @@ Result<CameraConfig> ReadCameraConfig(ConfigReader& config,
                                       const std::string& process_name,
                                       const std::string& driver) {
   ConfigReader::Table cameras = config.Root().Sub("camera");
-  Result<std::string> name = ChooseCamera(CamerasOf(cameras, driver), process_name, driver);
+  std::string others;
+  const std::vector<std::string> names = CamerasOf(cameras, driver, &others);
+  Result<std::string> name = ChooseCamera(names, process_name, driver, others);
   if (!name) return name.error();
   if (!IsCameraName(*name)) {
     return Error{ErrorCode::kInvalidArgument,

@@ -75,6 +75,15 @@ TEST(CameraConfig, ProcessNameChoosesTheCamera) {
             "one of: openni2-left, openni2-right");
 }
 
+TEST(CameraConfig, WhereTheDriverHasNoCameraThoseOfOthersAreTold) {
+  const std::string text = "[camera.A]\ndevice = \"index:0\"\ndriver = \"v4l2\"\n";
+  EXPECT_NE(Read(text).error.find("; [camera.A] has driver = \"v4l2\""), std::string::npos)
+      << Read(text).error;
+  EXPECT_NE(Read("[camera.A]\ndevice = \"index:0\"\ndriver = \"v4l3\"\n")
+                .error.find("camera.A.driver = 'v4l3': expected one of \"openni2\" \"v4l2\""),
+            std::string::npos);
+}
+
 TEST(CameraConfig, ErrorsNameTheKeyAndTheBound) {
   const std::string camera = "[camera.XTION]\n";
   const std::string device = camera + "device = \"index:0\"\n";
