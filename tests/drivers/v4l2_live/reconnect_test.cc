@@ -51,8 +51,8 @@ TEST(Reconnecting, AnotherDeviceAtItsNodeIsLeftAlone) {
   LiveCamera live;
   ASSERT_TRUE(live.GrabFrames(5)) << live.Summary();
   Unplug(devices, Node(0, Serial("STRANGER") + SmallFormat("YUYV")), &live);
-  EXPECT_TRUE(live.GrabUntilMessage("(found: /dev/video0 (serial STRANGER))")) << live.Summary();
   const size_t before = live.num_frames();
+  EXPECT_TRUE(live.GrabUntilMessage("(found: /dev/video0 (serial STRANGER))")) << live.Summary();
   EXPECT_EQ(live.status().state, CameraState::kSearching);
   EXPECT_EQ(live.num_frames(), before);
 }
