@@ -100,7 +100,7 @@ struct LiveBus::Impl {
   struct Subscription {
     Impl* impl;
     size_t index;
-    int64_t fingerprint;
+    std::optional<int64_t> fingerprint;  // Nothing: any type, unchecked.
     BytesHandler handler;
   };
 
@@ -136,7 +136,8 @@ struct LiveBus::Impl {
                std::span<const std::byte> bytes) {
     status.RecordReceived(channel, Clock::now());
     // What is clearly another type must not push a good message out of its slot.
-    if (bytes.size() < 8 || LoadBigEndian<int64_t>(bytes) != subscription.fingerprint) {
+    if (subscription.fingerprint &&
+        (bytes.size() < 8 || LoadBigEndian<int64_t>(bytes) != *subscription.fingerprint)) {
       ReportDecodeError(subscription, channel, bytes);
       return;
     }
@@ -149,7 +150,8 @@ struct LiveBus::Impl {
                          const std::string& channel,
                          std::span<const std::byte> bytes) {
     if (!status.RecordDecodeError(channel, Clock::now())) return;
-    const MessageSchema* schema = FindSchema(subscription.fingerprint);
+    const MessageSchema* schema =
+        subscription.fingerprint ? FindSchema(*subscription.fingerprint) : nullptr;
     const Result<void> check =
         CheckMessageBytes(schema == nullptr ? "" : std::string(schema->name), bytes);
     Log().warn("{}: message dropped: {}",
@@ -320,10 +322,30 @@ process_status_t LiveBus::Status() { return impl_->MakeStatus(impl_->status_seq)
 
 std::string LiveBus::url() const { return impl_->url.Text(); }
 
+Result<void> LiveBus::Tap(const std::string& channel,
+                          SubscribeOptions options,
+                          TapHandler handler) {
+  return AddSubscription(
+      channel,
+      std::nullopt,
+      options,
+      [handler = std::move(handler)](const Envelope& envelope, std::span<const std::byte> bytes) {
+        handler(envelope, bytes);
+        return true;
+      });
+}
+
 Result<void> LiveBus::SubscribeBytes(const std::string& channel,
                                      int64_t fingerprint,
                                      SubscribeOptions options,
                                      BytesHandler handler) {
+  return AddSubscription(channel, fingerprint, options, std::move(handler));
+}
+
+Result<void> LiveBus::AddSubscription(const std::string& channel,
+                                      std::optional<int64_t> fingerprint,
+                                      SubscribeOptions options,
+                                      BytesHandler handler) {
   Result<ChannelPattern> pattern = ChannelPattern::Create(channel);
   if (!pattern) return pattern.error();
   if (pattern->IsName()) impl_->status.AddChannel(channel);

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 
@@ -35,6 +37,11 @@ class LiveBus : public Bus {
   LiveBus(const LiveBus&) = delete;
   LiveBus& operator=(const LiveBus&) = delete;
 
+  /// Hands over the messages of any type on a channel (as in Subscribe()) as they came, unchecked:
+  /// for those who record or count them.
+  using TapHandler = std::function<void(const Envelope&, std::span<const std::byte>)>;
+  Result<void> Tap(const std::string& channel, SubscribeOptions options, TapHandler handler);
+
   /// Hands over the message that waits longest, waiting for one up to `timeout`.
   /// @return false when none came.
   bool Dispatch(std::chrono::milliseconds timeout);
@@ -63,6 +70,10 @@ class LiveBus : public Bus {
 
  private:
   struct Impl;
+  Result<void> AddSubscription(const std::string& channel,
+                               std::optional<int64_t> fingerprint,
+                               SubscribeOptions options,
+                               BytesHandler handler);
   explicit LiveBus(std::unique_ptr<Impl> impl);
 
   std::unique_ptr<Impl> impl_;

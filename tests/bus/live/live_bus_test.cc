@@ -250,6 +250,27 @@ TEST(LiveBus, DropsAndCountsBadBytes) {
   EXPECT_EQ(status.num_decode_errors, 4);
 }
 
+TEST(LiveBus, ATapGetsAnyBytesOfItsChannels) {
+  VANTAGE_NEEDS_PRIVATE_NETWORK();
+  const auto bus = MakeBus(kUrl);
+  std::vector<std::string> got;
+  const auto handler = [&](const Envelope& envelope, std::span<const std::byte> bytes) {
+    got.push_back(envelope.channel + " " + std::to_string(bytes.size()));
+  };
+  ASSERT_TRUE(bus->Tap("[AB].*", {}, handler).ok());
+  lcm_t* raw = lcm_create(kUrl);
+  ASSERT_NE(raw, nullptr);
+  lcm_publish(raw, "A1", "xyz", 3);
+  lcm_publish(raw, "C1", "xyz", 3);
+  lcm_publish(raw, "B1", "", 0);
+  lcm_destroy(raw);
+  ASSERT_TRUE(bus->Publish("A2", Transform(1)).ok());
+  while (got.size() < 3 && bus->Dispatch(seconds(30))) {
+  }
+  EXPECT_EQ(got, (std::vector<std::string>{"A1 3", "B1 0", "A2 72"}));
+  EXPECT_EQ(StatusOf(*bus, "A1").num_decode_errors, 0);
+}
+
 // A message of another type must not push a good one out of its slot.
 TEST(LiveBus, AnotherTypeDoesNotReplaceTheLatest) {
   const auto bus = MakeBus("memq://");

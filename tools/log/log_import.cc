@@ -1,4 +1,4 @@
-#include "tools/support/log_import.h"
+#include "tools/log/log_import.h"
 
 #include <cmath>
 #include <memory>

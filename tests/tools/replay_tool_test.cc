@@ -14,7 +14,7 @@
 #include "perception/model/file_bytes.h"
 #include "tests/tools/rendered_run.h"
 #include "tests/tools/run_program.h"
-#include "tools/support/log_import.h"
+#include "tools/log/log_import.h"
 #include "tools/support/recorded_run.h"
 #include "tools/support/run_metrics.h"
 #include "tools/support/view_folder.h"

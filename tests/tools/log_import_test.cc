@@ -22,7 +22,7 @@
 #include "perception/model/file_bytes.h"
 #include "tests/tools/run_program.h"
 #include "tools/support/bop_folder.h"
-#include "tools/support/log_import.h"
+#include "tools/log/log_import.h"
 #include "tools/support/png_image.h"
 #include "tools/support/view_folder.h"
 #include "vantage/images_t.hpp"
