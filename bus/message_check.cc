@@ -107,21 +107,7 @@ class Walker {
 
   // Bytes of one element at least; never 0.
   static int64_t MinSize(const SchemaField& field) {
-    switch (field.kind) {
-      case FieldKind::kByte:
-        return 1;
-      case FieldKind::kInt16:
-        return 2;
-      case FieldKind::kInt32:
-        return 4;
-      case FieldKind::kInt64:
-        return 8;
-      case FieldKind::kString:
-        return 5;
-      case FieldKind::kNested:
-        return field.nested->min_size;
-    }
-    return 1;
+    return field.kind == FieldKind::kNested ? field.nested->min_size : WireSize(field.kind);
   }
 
   // Called after the size was checked.

@@ -6,15 +6,42 @@
 
 namespace vantage {
 
-/// What the wire holds of one element of a field. All numbers are big-endian.
+/// What one element of a field is. All numbers are big-endian.
 enum class FieldKind : uint8_t {
-  kByte,    ///< 1 byte; also int8_t and boolean
+  kByte,    ///< 0 to 255
+  kInt8,    ///< also on the wire 1 byte
+  kBool,    ///< 1 byte, 0 or 1
   kInt16,   ///< 2 bytes
-  kInt32,   ///< 4 bytes; also float
-  kInt64,   ///< 8 bytes; also double
+  kInt32,   ///< 4 bytes
+  kInt64,   ///< 8 bytes
+  kFloat,   ///< 4 bytes, IEEE 754
+  kDouble,  ///< 8 bytes, IEEE 754
   kString,  ///< int32 length with the closing NUL, then so many bytes
   kNested,  ///< the fields of another type, without its fingerprint
 };
+
+/// Bytes of one element on the wire; of a string at least so many; 0 for kNested.
+constexpr int64_t WireSize(FieldKind kind) {
+  switch (kind) {
+    case FieldKind::kByte:
+    case FieldKind::kInt8:
+    case FieldKind::kBool:
+      return 1;
+    case FieldKind::kInt16:
+      return 2;
+    case FieldKind::kInt32:
+    case FieldKind::kFloat:
+      return 4;
+    case FieldKind::kInt64:
+    case FieldKind::kDouble:
+      return 8;
+    case FieldKind::kString:
+      return 5;
+    case FieldKind::kNested:
+      return 0;
+  }
+  return 0;
+}
 
 struct MessageSchema;
 
@@ -24,9 +51,10 @@ struct SchemaField {
   std::string_view name;
   FieldKind kind = FieldKind::kByte;
   const MessageSchema* nested = nullptr;  ///< the type, for kNested
-  int64_t fixed_count = 1;                ///< product of the fixed dimensions
+  int64_t fixed_count = 1;                ///< product of the fixed dimensions, row-major
   int count_from = -1;                    ///< slot that multiplies fixed_count; -1: none
   int count_into = -1;  ///< slot that this integer fills for a later array; -1: none
+  bool is_array = false;
 };
 
 /// How a message type lies on the wire. Made from lcmtypes/*.lcm when the project is built.

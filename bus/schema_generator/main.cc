@@ -23,6 +23,7 @@ struct Field {
   std::string name;
   int64_t fixed_count = 1;
   std::string count_member;  // Empty: no variable dimension.
+  bool is_array = false;
 };
 
 struct Struct {
@@ -37,13 +38,13 @@ struct Primitive {
 };
 
 const std::map<std::string, Primitive> kPrimitives = {{"byte", {"kByte", 1, false}},
-                                                      {"boolean", {"kByte", 1, false}},
-                                                      {"int8_t", {"kByte", 1, true}},
+                                                      {"boolean", {"kBool", 1, false}},
+                                                      {"int8_t", {"kInt8", 1, true}},
                                                       {"int16_t", {"kInt16", 2, true}},
                                                       {"int32_t", {"kInt32", 4, true}},
                                                       {"int64_t", {"kInt64", 8, true}},
-                                                      {"float", {"kInt32", 4, false}},
-                                                      {"double", {"kInt64", 8, false}},
+                                                      {"float", {"kFloat", 4, false}},
+                                                      {"double", {"kDouble", 8, false}},
                                                       {"string", {"kString", 5, false}}};
 
 std::vector<std::string> Tokenize(const std::string& text) {
@@ -127,7 +128,8 @@ class Parser {
     std::string type = Take();
     type = type.substr(type.rfind('.') + 1);  // All types are in one package.
     do {
-      Field field{.type = type, .name = Take(), .fixed_count = 1, .count_member = {}};
+      Field field{
+          .type = type, .name = Take(), .fixed_count = 1, .count_member = {}, .is_array = false};
       while (Sees("[")) {
         Take();
         AddDimension(Take(), &field);
@@ -139,6 +141,7 @@ class Parser {
   }
 
   static void AddDimension(const std::string& dimension, Field* field) {
+    field->is_array = true;
     if (std::isdigit(static_cast<unsigned char>(dimension[0])) != 0) {
       field->fixed_count *= std::stoll(dimension);
       if (field->fixed_count < 1 || field->fixed_count > 1'000'000) {
@@ -220,7 +223,8 @@ class Generator {
               (nested ? "&kSchemas[" + std::to_string(Index(field.type)) + "]" : "nullptr") + ", " +
               std::to_string(field.fixed_count) + ", " +
               std::to_string(field.count_member.empty() ? -1 : slots.at(field.count_member)) +
-              ", " + std::to_string(into == slots.end() ? -1 : into->second) + "},\n";
+              ", " + std::to_string(into == slots.end() ? -1 : into->second) + ", " +
+              (field.is_array ? "true" : "false") + "},\n";
     }
     return text + "};\n\n";
   }

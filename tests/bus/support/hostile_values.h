@@ -52,22 +52,16 @@ class NumberFinder {
       return;
     }
     if (wanted) numbers_.push_back({at_, field.kind});
-    at_ += SizeOf(field.kind);
+    at_ += static_cast<size_t>(WireSize(field.kind));
   }
 
   int64_t TakeCount(FieldKind kind) {
     const std::span<const std::byte> from = bytes_.subspan(at_);
-    at_ += SizeOf(kind);
-    if (kind == FieldKind::kByte) return LoadBigEndian<int8_t>(from);
+    at_ += static_cast<size_t>(WireSize(kind));
+    if (kind == FieldKind::kInt8) return LoadBigEndian<int8_t>(from);
     if (kind == FieldKind::kInt16) return LoadBigEndian<int16_t>(from);
     if (kind == FieldKind::kInt32) return LoadBigEndian<int32_t>(from);
     return LoadBigEndian<int64_t>(from);
-  }
-
-  static size_t SizeOf(FieldKind kind) {
-    if (kind == FieldKind::kByte) return 1;
-    if (kind == FieldKind::kInt16) return 2;
-    return kind == FieldKind::kInt32 ? 4 : 8;
   }
 
   std::span<const std::byte> bytes_;
@@ -109,10 +103,11 @@ std::vector<Message> HostileVariants(const Message& sound) {
       const std::span<std::byte> place = std::span(bytes).subspan(offset);
       // Of smaller numbers the upper half, so that the ends stay the ends and a double's NaN
       // and infinity a float's.
-      if (kind == FieldKind::kByte) place[0] = static_cast<std::byte>(value >> 56);
-      if (kind == FieldKind::kInt16) StoreBigEndian(static_cast<int16_t>(value >> 48), place);
-      if (kind == FieldKind::kInt32) StoreBigEndian(static_cast<int32_t>(value >> 32), place);
-      if (kind == FieldKind::kInt64) StoreBigEndian(value, place);
+      const int64_t size = WireSize(kind);
+      if (size == 1) place[0] = static_cast<std::byte>(value >> 56);
+      if (size == 2) StoreBigEndian(static_cast<int16_t>(value >> 48), place);
+      if (size == 4) StoreBigEndian(static_cast<int32_t>(value >> 32), place);
+      if (size == 8) StoreBigEndian(value, place);
       Result<Message> variant = DecodeChecked<Message>(bytes);
       if (variant) variants.push_back(std::move(variant).value());
     }

@@ -36,7 +36,7 @@ class Writer {
 
  private:
   void Count(FieldKind kind, int64_t count) {
-    if (kind == FieldKind::kByte) Integer(static_cast<int8_t>(count));
+    if (kind == FieldKind::kInt8) Integer(static_cast<int8_t>(count));
     if (kind == FieldKind::kInt16) Integer(static_cast<int16_t>(count));
     if (kind == FieldKind::kInt32) Integer(static_cast<int32_t>(count));
     if (kind == FieldKind::kInt64) Integer(count);
@@ -45,15 +45,22 @@ class Writer {
   void Element(const SchemaField& field) {
     switch (field.kind) {
       case FieldKind::kByte:
-        return Integer(static_cast<uint8_t>(rng_.Below(2)));  // Also a boolean.
+      case FieldKind::kInt8:
+        return Integer(static_cast<uint8_t>(rng_.NextUint32()));
+      case FieldKind::kBool:
+        return Integer(static_cast<uint8_t>(rng_.Below(2)));
       case FieldKind::kInt16:
         return Integer(static_cast<uint16_t>(rng_.NextUint32()));
       case FieldKind::kInt32:
-        // Never a signaling NaN, which a copy as float may change.
-        return Integer(rng_.NextUint32() & 0x3fffffffU);
+        return Integer(rng_.NextUint32());
       case FieldKind::kInt64:
+        return Integer(uint64_t{rng_.NextUint32()} << 32U | rng_.NextUint32());
+      case FieldKind::kFloat:
+        // Never a signaling NaN, which a copy as float may change.
+        return Integer(rng_.NextUint32() & 0xbfffffffU);
+      case FieldKind::kDouble:
         return Integer((uint64_t{rng_.NextUint32()} << 32U | rng_.NextUint32()) &
-                       0x3fffffffffffffffU);
+                       0xbfffffffffffffffU);
       case FieldKind::kString: {
         const uint32_t length = rng_.Below(9);
         Integer(static_cast<int32_t>(length + 1));
