@@ -19,7 +19,8 @@ struct ReplayOptions {
   std::vector<std::string> estimators = {"ppf"};
   bool with_inputs = false;      ///< copy what is read into the output too
   bool with_extrinsics = false;  ///< camera poses anew too, from HAND_TO_BASE
-  /// The configuration, from its start: every node takes its own tables of it.
+  /// The configuration, from its start: every node takes its own tables of it. Called on the
+  /// thread that runs the rerun alone.
   std::function<Result<ConfigReader>()> open_config;
 };
 
@@ -29,12 +30,15 @@ struct ReplaySummary {
   LogBus::Counters counters;
   EventLogReader::Damage damage;
   double span = 0.0;  ///< s of log time
+  /// What whoever trusts the result should know, a sentence each.
+  std::vector<std::string> warnings;
 };
 
 /// Called after every event. @param share of the log that was read, [0, 1].
 using ReplayProgress = std::function<void(double share, int64_t num_events)>;
 
-/// Reruns estimators and fusion on a log: the node objects of the live processes on a LogBus.
+/// Reruns estimators and fusion on a log: the node objects of the live processes on a LogBus. Any
+/// number of reruns may run at once, each on a thread of its own; none prints.
 /// Errors: the log, the configuration, the models, or the output.
 Result<ReplaySummary> RunReplay(const ReplayOptions& options, const ReplayProgress& progress);
 
