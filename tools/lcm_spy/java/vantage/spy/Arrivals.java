@@ -1,0 +1,49 @@
+package vantage.spy;
+
+import java.util.ArrayDeque;
+
+/** Rate and losses of a channel, by when its messages came and by their seq. */
+final class Arrivals {
+  private static final long WINDOW_NS = 2_000_000_000L;
+  private static final int MAX_TIMES = 1000;
+
+  private final ArrayDeque<Long> times = new ArrayDeque<>();
+  private long count;
+  private long lost;
+  private long lastSeq = -1;
+  private long lastNs;
+
+  /** A seq below 0 says nothing; one that does not grow is a sender that began anew. */
+  synchronized void add(long nowNs, long seq) {
+    count++;
+    if (seq >= 0 && lastSeq >= 0 && seq > lastSeq) {
+      lost += seq - lastSeq - 1;
+    }
+    lastSeq = seq;
+    lastNs = nowNs;
+    times.addLast(nowNs);
+    if (times.size() > MAX_TIMES) {
+      times.removeFirst();
+    }
+  }
+
+  /** One line about them. */
+  synchronized String describe(long nowNs) {
+    if (count == 0) {
+      return "no message yet";
+    }
+    while (times.size() > 1 && nowNs - times.peekFirst() > WINDOW_NS) {
+      times.removeFirst();
+    }
+    double span = 1e-9 * (times.peekLast() - times.peekFirst());
+    String rate = times.size() > 1 && span > 0
+        ? Text.number((times.size() - 1) / span, 1) + " Hz, " : "";
+    String losses = lastSeq < 0 ? "" : "seq " + lastSeq + ", " + lost + " lost, ";
+    return count + " messages, " + rate + losses + "the last one came "
+        + Text.duration(1e-9 * (nowNs - lastNs)) + " ago";
+  }
+
+  synchronized long lost() {
+    return lost;
+  }
+}
