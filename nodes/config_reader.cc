@@ -2,6 +2,7 @@
 
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -41,6 +42,42 @@ std::string TextOf(const std::vector<T>& values) {
   std::string text;
   for (const T& value : values) text += (text.empty() ? "" : ", ") + TextOf(value);
   return "[" + text + "]";
+}
+
+// Letters to insert, remove or replace, with neighbors that changed places as one.
+size_t EditDistance(const std::string& a, const std::string& b) {
+  std::vector<std::vector<size_t>> least(a.size() + 1, std::vector<size_t>(b.size() + 1));
+  for (size_t i = 0; i <= a.size(); ++i) {
+    for (size_t k = 0; k <= b.size(); ++k) {
+      if (i == 0 || k == 0) {
+        least[i][k] = i + k;
+        continue;
+      }
+      const size_t replaced = least[i - 1][k - 1] + (a[i - 1] == b[k - 1] ? 0 : 1);
+      least[i][k] = std::min({least[i - 1][k] + 1, least[i][k - 1] + 1, replaced});
+      if (i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1]) {
+        least[i][k] = std::min(least[i][k], least[i - 2][k - 2] + 1);
+      }
+    }
+  }
+  return least[a.size()][b.size()];
+}
+
+// The name that was probably meant; empty where none is near.
+std::string NearestName(const std::string& name, const std::set<std::string, std::less<>>& names) {
+  constexpr size_t kLongest = 100;
+  if (name.size() > kLongest) return "";
+  std::string nearest;
+  size_t least = std::min(name.size() / 3 + 1, name.size() - 1);
+  for (const std::string& each : names) {
+    if (each.size() > name.size() + least) continue;
+    if (const size_t distance = EditDistance(name, each); distance <= least) {
+      if (distance == least && !nearest.empty()) continue;
+      least = distance;
+      nearest = each;
+    }
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -115,7 +152,9 @@ struct ConfigReader::Table::Node {
       if (!asked.contains(name)) {
         std::string known;
         for (const std::string& each : asked) known += (known.empty() ? "" : ", ") + each;
-        Fail(name, &value, "unknown key; known here: " + known);
+        const std::string meant = NearestName(name, asked);
+        const std::string hint = meant.empty() ? "" : "; did you mean " + meant + "?";
+        Fail(name, &value, "unknown key; known here: " + known + hint);
         return;
       }
       const auto found = children.find(name);

@@ -56,7 +56,29 @@ TEST(ConfigReader, UnknownKeyNamesFileLineAndKnownKeys) {
   double sigma = 0.0;
   reader.Root().Sub("fusion").Read("sigma_deg", &sigma, 0.0, 90.0);
   EXPECT_EQ(FinishError(reader),
-            "test.toml:3: fusion.sigma_dge = 5: unknown key; known here: sigma_deg");
+            "test.toml:3: fusion.sigma_dge = 5: unknown key; known here: sigma_deg; "
+            "did you mean sigma_deg?");
+}
+
+TEST(ConfigReader, TellsTheNearestKeyWhereOneIsNear) {
+  const auto hint = [](const std::string& key) {
+    ConfigReader reader = Parse("[fusion]\n" + key + " = 5\n");
+    ConfigReader::Table fusion = reader.Root().Sub("fusion");
+    double value = 0.0;
+    for (const char* known : {"gate_m", "sigma_deg", "motion_sigma_deg", "k"}) {
+      fusion.Read(known, &value, 0.0, 90.0);
+    }
+    const std::string error = FinishError(reader);
+    const size_t at = error.find("; did you mean ");
+    return at == std::string::npos ? "" : error.substr(at + 15);
+  };
+  EXPECT_EQ(hint("sigma_dge"), "sigma_deg?");
+  EXPECT_EQ(hint("sgma_deg"), "sigma_deg?");
+  EXPECT_EQ(hint("gate_mm"), "gate_m?");
+  EXPECT_EQ(hint("motion_sigma"), "motion_sigma_deg?");
+  EXPECT_EQ(hint("temperature"), "");
+  EXPECT_EQ(hint("z"), "");
+  EXPECT_EQ(hint(std::string(5000, 'a')), "");
 }
 
 TEST(ConfigReader, UnknownTableIsAnError) {
@@ -155,7 +177,8 @@ TEST(ConfigReader, EffectiveIsTheFilesValueOrTheDefault) {
 TEST(ConfigReader, AMisspeltTableIsToldBeforeWhatIsMissingForIt) {
   ConfigReader reader = Parse("[modles]\nfolder = 'x'\n");
   reader.Root().Sub("models").Require("folder");
-  EXPECT_EQ(FinishError(reader), "test.toml:1: modles: unknown key; known here: models");
+  EXPECT_EQ(FinishError(reader),
+            "test.toml:1: modles: unknown key; known here: models; did you mean models?");
 }
 
 TEST(ConfigReader, ValuesAreToldAsTheyWereWritten) {
