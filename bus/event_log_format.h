@@ -2,9 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 
+#include "bus/channel_pattern.h"
 #include "bus/wire.h"
 
 namespace vantage {
@@ -14,7 +14,9 @@ namespace vantage {
 struct EventHeader {
   static constexpr uint32_t kSync = 0xEDA1DA01U;
   static constexpr size_t kBytes = 28;
+  static constexpr int32_t kMaxDataBytes = 64 << 20;  ///< longer data is taken as damage
 
+  uint32_t sync = kSync;
   int64_t number = 0;
   int64_t utime = 0;
   int32_t channel_bytes = 0;
@@ -25,10 +27,17 @@ struct EventHeader {
     return static_cast<int64_t>(kBytes) + channel_bytes + data_bytes;
   }
 
-  /// `bytes` has at least kBytes. Nothing when the sync is not there.
-  static std::optional<EventHeader> Load(std::span<const std::byte> bytes) {
-    if (LoadBigEndian<uint32_t>(bytes) != kSync) return {};
-    return EventHeader{.number = LoadBigEndian<int64_t>(bytes.subspan(4)),
+  /// Lengths that LCM can send.
+  [[nodiscard]] bool HasPlausibleLengths() const {
+    return channel_bytes >= 1 && channel_bytes <= static_cast<int32_t>(kMaxChannelName) &&
+           data_bytes >= 0 && data_bytes <= kMaxDataBytes;
+  }
+  [[nodiscard]] bool IsPlausible() const { return sync == kSync && HasPlausibleLengths(); }
+
+  /// `bytes` has at least kBytes, of anything.
+  static EventHeader Load(std::span<const std::byte> bytes) {
+    return EventHeader{.sync = LoadBigEndian<uint32_t>(bytes),
+                       .number = LoadBigEndian<int64_t>(bytes.subspan(4)),
                        .utime = LoadBigEndian<int64_t>(bytes.subspan(12)),
                        .channel_bytes = LoadBigEndian<int32_t>(bytes.subspan(20)),
                        .data_bytes = LoadBigEndian<int32_t>(bytes.subspan(24))};
@@ -36,7 +45,7 @@ struct EventHeader {
 
   /// `bytes` has room for kBytes.
   void Store(std::span<std::byte> bytes) const {
-    StoreBigEndian(kSync, bytes);
+    StoreBigEndian(sync, bytes);
     StoreBigEndian(number, bytes.subspan(4));
     StoreBigEndian(utime, bytes.subspan(12));
     StoreBigEndian(channel_bytes, bytes.subspan(20));

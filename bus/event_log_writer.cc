@@ -1,5 +1,8 @@
+#include "bus/event_log_writer.h"
+
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -7,7 +10,7 @@
 #include <utility>
 
 #include "bus/channel_pattern.h"
-#include "bus/event_log.h"
+#include "bus/event_log_format.h"
 #include "common/format.h"
 
 namespace vantage {
@@ -34,22 +37,24 @@ EventLogWriter::~EventLogWriter() {
 }
 
 Result<void> EventLogWriter::Write(int64_t utime,
-                                   const std::string& channel,
+                                   std::string_view channel,
                                    std::span<const std::byte> data) {
   if (channel.empty() || channel.size() > kMaxChannelName) {
     return Error{ErrorCode::kInvalidArgument,
-                 Format("channel '%.80s' can't go into log %s, expected 1 to %zu characters",
-                        channel.c_str(),
+                 Format("channel '%.*s' can't go into log %s, expected 1 to %zu characters",
+                        static_cast<int>(std::min<size_t>(channel.size(), 80)),
+                        channel.data(),
                         file_.c_str(),
                         kMaxChannelName)};
   }
-  if (data.size() > static_cast<size_t>(EventLogReader::kMaxEventBytes)) {
+  if (data.size() > static_cast<size_t>(EventHeader::kMaxDataBytes)) {
     return Error{ErrorCode::kInvalidArgument,
-                 Format("%zu bytes on %s can't go into log %s, expected %lld at most",
+                 Format("%zu bytes on %.*s can't go into log %s, expected %d at most",
                         data.size(),
-                        channel.c_str(),
+                        static_cast<int>(channel.size()),
+                        channel.data(),
                         file_.c_str(),
-                        static_cast<long long>(EventLogReader::kMaxEventBytes))};
+                        EventHeader::kMaxDataBytes)};
   }
   VANTAGE_CHECK(stream_ != nullptr, "a closed log is written to");
   const EventHeader header{.number = num_events_,

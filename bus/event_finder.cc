@@ -1,0 +1,260 @@
+#include "bus/event_finder.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+
+#include "bus/message_check.h"
+#include "bus/message_schema.h"
+
+namespace vantage {
+namespace {
+
+constexpr auto kHeader = static_cast<int64_t>(EventHeader::kBytes);
+constexpr int64_t kScanBytes = 1 << 16;  // at a time
+constexpr int64_t kPeekCost = 512;       // bytes of looking ahead that a far header counts as
+
+bool IsPrintable(std::string_view text) {
+  return std::ranges::all_of(text, [](char letter) { return letter >= ' ' && letter <= '~'; });
+}
+
+int BitsOff(uint32_t sync) { return std::popcount(sync ^ EventHeader::kSync); }
+
+// A count that goes on from `last`, perhaps after a gap.
+bool Follows(int64_t number, int64_t last) {
+  constexpr int64_t kLargestGap = 1'000'000;
+  return last >= 0 && number > last && number - last <= kLargestGap;
+}
+
+}  // namespace
+
+std::optional<EventFinder::Found> EventFinder::EventAt(int64_t offset,
+                                                       std::optional<int64_t> last_number) {
+  const std::optional<EventHeader> header = HeaderAt(offset);
+  if (!header) return {};
+  const int64_t end = offset + (header->HasPlausibleLengths() ? header->EventBytes() : 0);
+  const bool whole = end > offset && end <= window_.size();
+  // The event and the header behind it, at once.
+  if (whole) window_.At(offset, end - offset + kHeader);
+  const Link link = whole ? LinkAt(end, header->number) : Link::kNone;
+  const bool in_sequence = !last_number || header->number == *last_number + 1;
+  const auto next_number = [&](int64_t at) -> std::optional<int64_t> {
+    const std::optional<EventHeader> next = HeaderAt(at);
+    return next && BitsOff(next->sync) <= 1 ? std::optional(next->number) : std::nullopt;
+  };
+  if (header->sync != EventHeader::kSync) {
+    const bool surrounded = last_number && in_sequence && link == Link::kCounts;
+    if (!surrounded && (BitsOff(header->sync) > 1 || link == Link::kNone)) return {};
+    Found found{.header = *header, .mended = "damaged sync", .next_number = next_number(end)};
+    found.header.sync = EventHeader::kSync;
+    return found;
+  }
+  if (link == Link::kCounts) {
+    return Found{.header = *header, .mended = nullptr, .next_number = header->number + 1};
+  }
+  // Either the numbers here do not count, or the lengths lead to a wrong place.
+  const bool is_sound = whole && IsSoundMessage(offset, *header) == true;
+  if (!is_sound && (link == Link::kNone || in_sequence)) {
+    if (const std::optional<EventHeader> mended = MendLengths(offset, *header, link)) {
+      return Found{.header = *mended,
+                   .mended = "damaged length",
+                   .next_number = next_number(offset + mended->EventBytes())};
+    }
+  }
+  if (link != Link::kNone) {
+    return Found{.header = *header, .mended = nullptr, .next_number = next_number(end)};
+  }
+  // Nothing follows: what is there is the damaged part, unless events lie inside.
+  if (!whole || HasSuccessorInside(offset, *header)) return {};
+  return Found{.header = *header, .mended = nullptr, .next_number = {}};
+}
+
+int64_t EventFinder::FindEvent(int64_t begin,
+                               std::optional<int64_t> last_number,
+                               bool only_successors) {
+  const int64_t size = window_.size();
+  int64_t counting = size;
+  int64_t plausible = size;
+  for (int64_t at = FindHeader(begin, size); at < size; at = FindHeader(at + 1, size)) {
+    const std::optional<EventHeader> header = HeaderAt(at);
+    if (!header) break;
+    const Link link = LinkAt(at + header->EventBytes(), header->number);
+    if (last_number && Follows(header->number, *last_number)) {
+      const bool is_near = header->number - *last_number <= 1000;
+      if (link != Link::kNone || (is_near && ChannelScore(at, *header) > 64)) return at;
+    }
+    if (link == Link::kCounts) counting = std::min(counting, at);
+    plausible = std::min(plausible, at);
+    const bool knows_no_better = !last_number && link == Link::kCounts;
+    lookahead_ -= kPeekCost;
+    if (knows_no_better || lookahead_ <= 0) break;
+  }
+  if (only_successors && lookahead_ > 0) return size;
+  return counting < size ? counting : plausible;
+}
+
+int64_t EventFinder::FindChain(int64_t begin, int64_t end, int64_t min_number) {
+  const int64_t lookahead = lookahead_;
+  int64_t at = FindHeader(begin, end);
+  while (at < end) {
+    const std::optional<EventHeader> header = HeaderAt(at);
+    if (header && header->number >= min_number && !ChainAt(at).empty()) break;
+    at = FindHeader(at + 1, end);
+  }
+  lookahead_ = lookahead;
+  return at;
+}
+
+std::optional<EventHeader> EventFinder::TypicalHeader(int64_t place) {
+  std::vector<EventHeader> chain = ChainAt(place);
+  if (chain.empty()) return {};
+  const auto median = chain.begin() + static_cast<std::ptrdiff_t>((chain.size() - 1) / 2);
+  std::ranges::nth_element(chain, median, {}, &EventHeader::utime);
+  return *median;
+}
+
+// Headers that lead to each other, three or up to the file's end; none where they lead nowhere.
+std::vector<EventHeader> EventFinder::ChainAt(int64_t place) {
+  constexpr size_t kLength = 3;
+  std::vector<EventHeader> chain;
+  while (chain.size() < kLength && place < window_.size()) {
+    const std::optional<EventHeader> header = HeaderAt(place);
+    if (!header || !header->IsPlausible()) return {};
+    chain.push_back(*header);
+    place += header->EventBytes();
+  }
+  return chain;
+}
+
+void EventFinder::Learn(const EventHeader& header, std::string_view channel) {
+  lookahead_ += header.EventBytes();
+  if (channels_.size() < kMaxChannels && !channels_.contains(channel)) channels_.emplace(channel);
+}
+
+bool EventFinder::LooksLikeSync(int64_t offset) {
+  std::array<std::byte, 4> bytes{};
+  std::array<std::byte, 4> sync{};
+  StoreBigEndian(EventHeader::kSync, std::span(sync));
+  const auto count = static_cast<size_t>(std::clamp<int64_t>(window_.size() - offset, 0, 4));
+  if (!window_.Peek(offset, std::span(bytes).first(count))) return false;
+  std::copy(sync.begin() + static_cast<std::ptrdiff_t>(count),
+            sync.end(),
+            bytes.begin() + static_cast<std::ptrdiff_t>(count));
+  return BitsOff(LoadBigEndian<uint32_t>(bytes)) <= 1;
+}
+
+std::optional<EventHeader> EventFinder::HeaderAt(int64_t offset) {
+  std::array<std::byte, EventHeader::kBytes> bytes{};
+  if (!window_.Peek(offset, bytes)) return {};
+  return EventHeader::Load(bytes);
+}
+
+EventFinder::Link EventFinder::LinkAt(int64_t end, int64_t number) {
+  if (end == window_.size()) return Link::kEnd;
+  if (end > window_.size()) return Link::kNone;
+  const std::optional<EventHeader> next = HeaderAt(end);
+  if (!next) return LooksLikeSync(end) ? Link::kHeader : Link::kNone;
+  const bool counts = number < std::numeric_limits<int64_t>::max() && next->number == number + 1;
+  if (counts && BitsOff(next->sync) <= 1) return Link::kCounts;
+  return next->IsPlausible() ? Link::kHeader : Link::kNone;
+}
+
+// Lengths of which one bit was flipped: those with which the next event comes right behind.
+std::optional<EventHeader> EventFinder::MendLengths(int64_t offset,
+                                                    const EventHeader& header,
+                                                    Link link) {
+  std::optional<EventHeader> best;
+  int best_score = 0;
+  lookahead_ -= 64 * kPeekCost;
+  for (unsigned bit = 0; bit < 64 && lookahead_ > 0; ++bit) {
+    EventHeader mended = header;
+    int32_t& length = bit < 32 ? mended.channel_bytes : mended.data_bytes;
+    length = static_cast<int32_t>(static_cast<uint32_t>(length) ^ (1U << (bit % 32)));
+    if (!mended.HasPlausibleLengths()) continue;
+    const int64_t end = offset + mended.EventBytes();
+    const Link mended_link = LinkAt(end, header.number);
+    if (mended_link == Link::kNone || (mended_link != Link::kCounts && link != Link::kNone)) {
+      continue;
+    }
+    if (mended_link == Link::kEnd && !EndsWell(offset, header, mended)) continue;
+    const int score = (mended_link == Link::kCounts ? 1000 : 0) + ChannelScore(offset, mended) + 1;
+    if (score > best_score) best = mended;
+    best_score = std::max(best_score, score);
+  }
+  return best;
+}
+
+// Of lengths with which an event would be the file's last. A file that was cut off may end there
+// by chance.
+bool EventFinder::EndsWell(int64_t offset, const EventHeader& read, const EventHeader& mended) {
+  const bool was_shortened = read.HasPlausibleLengths() && read.EventBytes() < mended.EventBytes();
+  if (was_shortened && LooksLikeSync(offset + read.EventBytes())) return false;
+  return IsSoundMessage(offset, mended).value_or(was_shortened);
+}
+
+// Whether the data are a message of the type that they name; nothing when it is none of ours.
+std::optional<bool> EventFinder::IsSoundMessage(int64_t offset, const EventHeader& header) {
+  const std::span<const std::byte> event = window_.At(offset, header.EventBytes());
+  const size_t begin = EventHeader::kBytes + static_cast<size_t>(header.channel_bytes);
+  if (event.size() < begin + sizeof(int64_t)) return {};
+  const MessageSchema* schema = FindSchema(LoadBigEndian<int64_t>(event.subspan(begin)));
+  if (schema == nullptr) return {};
+  return CheckMessageBytes(std::string(schema->name), event.subspan(begin)).ok();
+}
+
+// Higher for channels that are likelier: known ones before, else the longest that can be read: what
+// follows a channel is a fingerprint.
+int EventFinder::ChannelScore(int64_t offset, const EventHeader& header) {
+  std::array<char, kMaxChannelName> letters{};
+  const auto size = static_cast<size_t>(header.channel_bytes);
+  if (!window_.Peek(offset + kHeader, std::as_writable_bytes(std::span(letters).first(size)))) {
+    return 0;
+  }
+  const std::string_view channel(letters.data(), size);
+  if (channels_.contains(channel)) return 100;
+  return IsPrintable(channel) ? static_cast<int>(size) : 0;
+}
+
+bool EventFinder::HasSuccessorInside(int64_t offset, const EventHeader& header) {
+  const int64_t end = offset + header.EventBytes();
+  for (int64_t at = FindHeader(offset + 1, end); at < end; at = FindHeader(at + 1, end)) {
+    if (lookahead_ <= 0) return true;
+    lookahead_ -= kPeekCost;
+    const std::optional<EventHeader> inside = HeaderAt(at);
+    if (inside && Follows(inside->number, header.number) &&
+        LinkAt(at + inside->EventBytes(), inside->number) != Link::kNone) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// The first plausible header that begins in [begin, end); end when there is none.
+int64_t EventFinder::FindHeader(int64_t begin, int64_t end) {
+  constexpr int kFirst = EventHeader::kSync >> 24U;
+  for (int64_t at = begin; at < end; at += kScanBytes) {
+    const std::span<const std::byte> bytes = window_.At(at, kScanBytes + kHeader - 1);
+    const int64_t last =
+        std::min({kScanBytes, end - at, static_cast<int64_t>(bytes.size()) - kHeader + 1});
+    int64_t i = 0;
+    while (i < last) {
+      const auto* from = bytes.data() + i;
+      const auto* hit =
+          static_cast<const std::byte*>(std::memchr(from, kFirst, static_cast<size_t>(last - i)));
+      if (hit == nullptr) break;
+      i = hit - bytes.data();
+      if (EventHeader::Load(bytes.subspan(static_cast<size_t>(i))).IsPlausible()) {
+        lookahead_ -= at + i - begin;
+        return at + i;
+      }
+      ++i;
+    }
+    if (last < kScanBytes) break;
+  }
+  lookahead_ -= end - begin;
+  return end;
+}
+
+}  // namespace vantage
