@@ -1,5 +1,8 @@
 #include "bus/log_bus.h"
 
+#include <utility>
+
+#include "bus/log_bus_port.h"
 #include "bus/message_schema.h"
 #include "common/format.h"
 
@@ -15,10 +18,21 @@ void FillSchemas(log_header_t* header) {
   header->num_schemas = static_cast<int32_t>(header->schema_names.size());
 }
 
+LogBus::LogBus(const Options& options, std::unique_ptr<EventStream> input, EventLogWriter* output)
+    : header_(options.header),
+      copy_inputs_(options.copy_inputs),
+      input_(std::move(input)),
+      output_(output) {}
+
+LogBus::~LogBus() = default;
+
 Result<std::unique_ptr<LogBus>> LogBus::Create(const Options& options,
                                                std::unique_ptr<EventLogReader> input,
                                                EventLogWriter* output) {
-  std::unique_ptr<LogBus> bus(new LogBus(options, std::move(input), output));
+  Result<std::unique_ptr<EventStream>> stream =
+      EventStream::Create(options.input, std::move(input));
+  if (!stream) return stream.error();
+  std::unique_ptr<LogBus> bus(new LogBus(options, std::move(stream).value(), output));
   if (!options.suppress.empty()) {
     Result<ChannelPattern> pattern = ChannelPattern::Create(options.suppress);
     if (!pattern) return pattern.error();
@@ -27,6 +41,13 @@ Result<std::unique_ptr<LogBus>> LogBus::Create(const Options& options,
   bus->next_ = bus->input_->Next();
   if (bus->next_) bus->now_utime_ = bus->next_->utime;
   return bus;
+}
+
+Result<LogBus::Port*> LogBus::AddPort(const std::string& held) {
+  Result<ChannelPattern> pattern = ChannelPattern::Create(held);
+  if (!pattern) return pattern.error();
+  ports_.push_back(std::make_unique<Port>(this, std::move(pattern).value()));
+  return ports_.back().get();
 }
 
 Result<bool> LogBus::Step() {
@@ -40,6 +61,7 @@ Result<bool> LogBus::Step() {
   const LogEvent event = std::move(next_).value();
   now_utime_ = event.utime;
   ++counters_.num_events;
+  if (watcher_) watcher_(event);
   if (suppress_ && suppress_->Matches(event.channel)) {
     ++counters_.num_suppressed;
   } else {
@@ -49,8 +71,8 @@ Result<bool> LogBus::Step() {
       }
     }
     Deliver(event.channel, event.data);
-    if (Result<void> delivered = DeliverPublished(); !delivered) return delivered.error();
   }
+  if (Result<void> delivered = DeliverPublished(); !delivered) return delivered.error();
   next_ = input_->Next();
   return true;
 }
@@ -83,12 +105,20 @@ Result<void> LogBus::SubscribeBytes(const std::string& channel,
                                     int64_t fingerprint,
                                     SubscribeOptions /*options*/,
                                     BytesHandler handler) {
+  return AddSubscription(channel, fingerprint, std::move(handler), nullptr);
+}
+
+Result<void> LogBus::AddSubscription(const std::string& channel,
+                                     int64_t fingerprint,
+                                     BytesHandler handler,
+                                     const Port* port) {
   Result<ChannelPattern> pattern = ChannelPattern::Create(channel);
   if (!pattern) return pattern.error();
   subscriptions_.push_back(
       std::make_unique<Subscription>(Subscription{.channel = std::move(pattern).value(),
                                                   .fingerprint = fingerprint,
-                                                  .handler = std::move(handler)}));
+                                                  .handler = std::move(handler),
+                                                  .port = port}));
   return {};
 }
 
@@ -133,24 +163,37 @@ Result<void> LogBus::DeliverPublished() {
   return {};
 }
 
+// By index: a handler may subscribe.
 void LogBus::Deliver(const std::string& channel, std::span<const std::byte> bytes) {
-  // By index: a handler may subscribe.
   for (size_t i = 0; i < subscriptions_.size(); ++i) {
-    Subscription& subscription = *subscriptions_[i];
-    if (!subscription.channel.Matches(channel)) continue;
-    if (subscription.handler({.channel = channel, .receive_utime = now_utime_}, bytes)) {
-      ++counters_.num_delivered;
-      continue;
-    }
-    ++counters_.decode_errors[channel];
-    if (counters_.first_decode_error.empty()) {
-      const MessageSchema* schema = FindSchema(subscription.fingerprint);
-      const Result<void> check =
-          CheckMessageBytes(schema == nullptr ? "" : std::string(schema->name), bytes);
-      counters_.first_decode_error =
-          channel + ": " + (check ? "its content can't be decoded" : check.error().message);
-    }
+    const Subscription& subscription = *subscriptions_[i];
+    if (subscription.port != nullptr && subscription.port->Holds(channel)) continue;
+    if (subscription.channel.Matches(channel)) DeliverTo(subscription, channel, bytes);
   }
+}
+
+void LogBus::Port::Deliver(const LogEvent& event) const {
+  for (size_t i = 0; i < bus_.subscriptions_.size(); ++i) {
+    const Subscription& subscription = *bus_.subscriptions_[i];
+    if (subscription.port != this || !subscription.channel.Matches(event.channel)) continue;
+    bus_.DeliverTo(subscription, event.channel, event.data);
+  }
+}
+
+void LogBus::DeliverTo(const Subscription& subscription,
+                       const std::string& channel,
+                       std::span<const std::byte> bytes) {
+  if (subscription.handler({.channel = channel, .receive_utime = now_utime_}, bytes)) {
+    ++counters_.num_delivered;
+    return;
+  }
+  ++counters_.decode_errors[channel];
+  if (!counters_.first_decode_error.empty()) return;
+  const MessageSchema* schema = FindSchema(subscription.fingerprint);
+  const Result<void> check =
+      CheckMessageBytes(schema == nullptr ? "" : std::string(schema->name), bytes);
+  counters_.first_decode_error =
+      channel + ": " + (check ? "its content can't be decoded" : check.error().message);
 }
 
 }  // namespace vantage

@@ -20,31 +20,42 @@ double SteadySeconds() {
   return std::chrono::duration<double>(now).count();
 }
 
-std::string Upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return text;
-}
-
 Result<std::unique_ptr<Node>> MakeNode(Bus& bus,
                                        const EstimatorConfig& config,
                                        const ProcessOptions& options,
                                        Result<std::unique_ptr<PoseEstimator>> estimator) {
   if (!estimator) return estimator.error();
-  Result<std::unique_ptr<EstimatorNode>> node =
-      EstimatorNode::Create(bus, config, options.name, std::move(estimator).value());
+  Result<std::unique_ptr<EstimatorNode>> node = EstimatorNode::Create(
+      bus, config, options.name, EstimateBy(std::move(estimator).value(), config.seed));
   if (!node) return node.error();
   return std::unique_ptr<Node>(std::move(node).value());
 }
 
 }  // namespace
 
-Result<std::unique_ptr<EstimatorNode>> EstimatorNode::Create(
-    Bus& bus,
-    const EstimatorConfig& config,
-    const std::string& process_name,
-    std::unique_ptr<PoseEstimator> estimator) {
+std::string DetectionsChannel(const std::string& process_name) {
+  std::string channel = "DETECTIONS_";
+  for (const char c : process_name) {
+    channel += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return channel;
+}
+
+EstimateFunction EstimateBy(std::shared_ptr<PoseEstimator> estimator, uint64_t seed) {
+  return [ estimator = std::move(estimator), seed ](
+             const DepthFrame& frame, const CameraModel& camera, StageTimes* times) -> const auto& {
+    // Of the image alone, so that no image's result depends on those before.
+    Rng rng(seed, static_cast<uint64_t>(frame.utime));
+    return estimator->Estimate(frame.image, camera, rng, times);
+  };
+}
+
+Result<std::unique_ptr<EstimatorNode>> EstimatorNode::Create(Bus& bus,
+                                                             const EstimatorConfig& config,
+                                                             const std::string& process_name,
+                                                             EstimateFunction estimate) {
   std::unique_ptr<EstimatorNode> node(
-      new EstimatorNode(bus, config, process_name, std::move(estimator)));
+      new EstimatorNode(bus, config, process_name, std::move(estimate)));
   if (Result<void> subscribed = node->Subscribe(); !subscribed) return subscribed.error();
   return node;
 }
@@ -52,12 +63,12 @@ Result<std::unique_ptr<EstimatorNode>> EstimatorNode::Create(
 EstimatorNode::EstimatorNode(Bus& bus,
                              const EstimatorConfig& config,
                              const std::string& process_name,
-                             std::unique_ptr<PoseEstimator> estimator)
+                             EstimateFunction estimate)
     : bus_(bus),
       config_(config),
       name_(process_name),
       channel_("CAMERA_" + config.camera),
-      estimator_(std::move(estimator)) {}
+      estimate_(std::move(estimate)) {}
 
 Result<void> EstimatorNode::Subscribe() {
   const SubscribeOptions all{SubscribeOptions::Keep::kAll};
@@ -171,12 +182,10 @@ void EstimatorNode::Process(const DepthFrame& frame, const Pose& T_world_camera)
     return;
   }
   const int64_t start = bus_.NowUtime();
-  // Of the image alone, so that no image's result depends on those before.
-  Rng rng(config_.seed, static_cast<uint64_t>(frame.utime));
   StageTimes times;
   times.clock = SteadySeconds;
   const double begin = SteadySeconds();
-  const PoseEstimator::Output& output = estimator_->Estimate(frame.image, *camera_, rng, &times);
+  const PoseEstimator::Output& output = estimate_(frame, *camera_, &times);
 
   DetectionSet set;
   set.utime = frame.utime;
@@ -189,7 +198,7 @@ void EstimatorNode::Process(const DepthFrame& frame, const Pose& T_world_camera)
   set.compute_time = 1e-6 * static_cast<double>(bus_.NowUtime() - start);
   set.num_clusters = output.num_clusters;
   set.detections = output.detections;
-  const Result<void> sent = bus_.Publish("DETECTIONS_" + Upper(name_), DetectionsToMessage(set));
+  const Result<void> sent = bus_.Publish(DetectionsChannel(name_), DetectionsToMessage(set));
   Report(sent ? "ok" : sent.error().message);
 
   bus_.RecordStage("segmentation", times.segmentation);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,17 @@
 
 namespace vantage {
 
+/// Finds poses in an image, with random numbers that depend on the image's utime alone. What it
+/// returns is valid until the next call. @param times may be null.
+using EstimateFunction = std::function<const PoseEstimator::Output&(
+    const DepthFrame& frame, const CameraModel& camera, StageTimes* times)>;
+
+/// Estimates by `estimator`, each image with a stream of its own of the numbers of `seed`.
+EstimateFunction EstimateBy(std::shared_ptr<PoseEstimator> estimator, uint64_t seed);
+
+/// DETECTIONS_<NAME>, of the process's name in capitals.
+std::string DetectionsChannel(const std::string& process_name);
+
 /// vantage-ppf and vantage-shot: detections_v2_t on DETECTIONS_<NAME> for every image of its camera
 /// taken at rest, also when nothing was found in it. NAME is the process's in capitals.
 class EstimatorNode : public Node {
@@ -29,13 +41,16 @@ class EstimatorNode : public Node {
   static Result<std::unique_ptr<EstimatorNode>> Create(Bus& bus,
                                                        const EstimatorConfig& config,
                                                        const std::string& process_name,
-                                                       std::unique_ptr<PoseEstimator> estimator);
+                                                       EstimateFunction estimate);
+
+  /// The next detections get this seq.
+  void CountFrom(int64_t seq) { seq_ = seq; }
 
  private:
   EstimatorNode(Bus& bus,
                 const EstimatorConfig& config,
                 const std::string& process_name,
-                std::unique_ptr<PoseEstimator> estimator);
+                EstimateFunction estimate);
   Result<void> Subscribe();
   void OnImages(const Envelope& envelope, const images_t& message);
   void OnInfo(const camera_info_t& message);
@@ -51,7 +66,7 @@ class EstimatorNode : public Node {
   EstimatorConfig config_;
   std::string name_;
   std::string channel_;  // Of the camera.
-  std::unique_ptr<PoseEstimator> estimator_;
+  EstimateFunction estimate_;
   std::optional<CameraModel> camera_;
   PoseBuffer poses_;
   std::deque<DepthFrame> pending_;

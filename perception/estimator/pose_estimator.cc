@@ -99,6 +99,11 @@ PoseEstimator::PoseEstimator(std::vector<KnownModel> models,
   }
 }
 
+std::unique_ptr<PoseEstimator> PoseEstimator::Clone() const {
+  return std::unique_ptr<PoseEstimator>(
+      new PoseEstimator(models_, proposer_->Clone(), parameters_));
+}
+
 // Those from the `first` on are verified, all are sorted.
 void PoseEstimator::Verify(
     size_t cluster, Effort effort, size_t first, StageTimes* times, Hypotheses* hypotheses) {
@@ -136,8 +141,8 @@ double PoseEstimator::PixelCost(size_t cluster, int step) {
          static_cast<double>(image_.ClusterSize(step, cluster));
 }
 
-// The first `count` that differ: by `angle` (rad), or in place by as much as `angle` about the center
-// moves the model's ends.
+// The first `count` that differ: by `angle` (rad), or in place by as much as `angle` about the
+// center moves the model's ends.
 void PoseEstimator::KeepDistinct(size_t count, double angle, Hypotheses* hypotheses) {
   distinct_.clear();
   for (const Hypothesis& hypothesis : *hypotheses) {

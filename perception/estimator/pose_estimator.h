@@ -45,6 +45,9 @@ class PoseEstimator {
                                                        std::unique_ptr<PoseProposer> proposer,
                                                        const PoseEstimatorParameters& parameters);
 
+  /// Another that estimates the same, for another thread.
+  [[nodiscard]] std::unique_ptr<PoseEstimator> Clone() const;
+
   struct Output {
     int num_clusters = 0;               ///< that were tried
     std::vector<Detection> detections;  ///< by cluster; of one cluster the best first

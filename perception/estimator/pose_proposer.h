@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <span>
 
 #include "common/rng.h"
@@ -28,6 +29,8 @@ class PoseProposer {
   virtual std::span<const PoseHypothesis> Propose(size_t model,
                                                   std::span<const SurfacePoint> scene,
                                                   Rng& rng) = 0;
+  /// Another that proposes the same, for another thread.
+  [[nodiscard]] virtual std::unique_ptr<PoseProposer> Clone() const = 0;
 };
 
 }  // namespace vantage

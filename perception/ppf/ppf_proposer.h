@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,9 @@ class PpfProposer : public PoseProposer {
   std::span<const PoseHypothesis> Propose(size_t model,
                                           std::span<const SurfacePoint> scene,
                                           Rng& rng) override;
+  [[nodiscard]] std::unique_ptr<PoseProposer> Clone() const override {
+    return std::make_unique<PpfProposer>(*this);
+  }
 
  private:
   // A model beside what each of its points contributes to a pose.

@@ -97,6 +97,12 @@ Result<std::unique_ptr<ShotProposer>> ShotProposer::Create(std::span<const Objec
   return proposer;
 }
 
+std::unique_ptr<PoseProposer> ShotProposer::Clone() const {
+  std::unique_ptr<ShotProposer> clone(new ShotProposer(parameters_));
+  clone->models_ = models_;
+  return clone;
+}
+
 double ShotProposer::Spacing(size_t model) const {
   return parameters_.spacing * models_[model].shot.diameter();
 }

@@ -40,6 +40,7 @@ class ShotProposer : public PoseProposer {
   std::span<const PoseHypothesis> Propose(size_t model,
                                           std::span<const SurfacePoint> scene,
                                           Rng& rng) override;
+  [[nodiscard]] std::unique_ptr<PoseProposer> Clone() const override;
   /// The same, and how long it took. @param times may be null.
   std::span<const PoseHypothesis> Propose(size_t model,
                                           std::span<const SurfacePoint> scene,

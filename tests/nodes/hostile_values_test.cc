@@ -106,7 +106,8 @@ class PpfHostileValues : public HostileValues {
     config.estimator.estimation.segmentation.min_points = 50;
     auto estimator = CreatePpfEstimator(std::move(models), config.estimator);
     ASSERT_TRUE(estimator.ok()) << estimator.error().message;
-    auto node = EstimatorNode::Create(*bus, config, "ppf", std::move(estimator).value());
+    auto node = EstimatorNode::Create(
+        *bus, config, "ppf", EstimateBy(std::move(estimator).value(), config.seed));
     ASSERT_TRUE(node.ok());
     const auto check = [this](const Envelope&, const detections_v2_t& message) {
       const Result<DetectionSet> set = DetectionsFromMessage(message, "DETECTIONS_PPF");

@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/replay/replay_run.h"
+#include "tools/replay/replay_options.h"
 
 namespace vantage {
 

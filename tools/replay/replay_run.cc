@@ -1,135 +1,280 @@
 #include "tools/replay/replay_run.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
-#include "nodes/estimator_node.h"
-#include "nodes/extrinsics_node.h"
-#include "nodes/fusion_node.h"
-#include "nodes/ppf_config.h"
-#include "nodes/shot_config.h"
+#include "common/format.h"
+#include "tools/replay/estimate_ahead.h"
+#include "tools/replay/log_place.h"
+#include "tools/replay/replay_nodes.h"
 
 namespace vantage {
 namespace {
 
-// What the nodes here publish anew, and ARM_STATUS: it answers the recorded NEXT_VIEW, not the one
-// that is computed here.
-constexpr const char* kRecomputed =
-    "DETECTIONS_.*|OBJECTS|ORIENTATION_HISTOGRAM|NEXT_VIEW|ARM_STATUS|PROCESS_STATUS";
+// What the nodes here publish anew. `DETECTIONS_` of others than the estimators that are rerun are
+// anew only where they do not count as input.
+constexpr const char* kRecomputed = "|OBJECTS|ORIENTATION_HISTOGRAM|NEXT_VIEW|PROCESS_STATUS";
+
+// It answers the recorded NEXT_VIEW: input where that is recomputed as it was.
+constexpr const char* kAnswers = "|DETECTIONS_.*|ARM_STATUS";
 
 // What vantage-extrinsics publishes.
 constexpr const char* kRecomputedExtrinsics =
     "|CAMERA_.*_TO_WORLD|NEXT_HAND_POSE|HANDEYE_RESULT|HANDEYE_CHECK";
 
-/// The nodes of one rerun. They outlive the bus's last step.
-struct Nodes {
-  std::unique_ptr<Node> extrinsics;
-  std::vector<std::unique_ptr<Node>> estimators;
-  std::unique_ptr<Node> fusion;
-};
+constexpr int64_t kOrderWindow = 1'000'000;        // us, by which events may come too late
+constexpr size_t kAheadBytes = size_t{64} << 20U;  // Of images that were estimated ahead.
+constexpr int kMostThreads = 256;
 
-Result<std::unique_ptr<Node>> MakeEstimator(Bus& bus,
-                                            const ReplayOptions& options,
-                                            const std::string& name) {
-  // A reader each: every process takes its own tables from the file.
-  Result<ConfigReader> config = options.open_config();
-  if (!config) return config.error();
-  ProcessOptions process;
-  process.name = name;
-  return name == "ppf" ? MakePpfNode(bus, *config, process) : MakeShotNode(bus, *config, process);
-}
-
-/// The seed of the first estimator. Errors: the config.
-Result<uint64_t> ReadSeed(ConfigReader& config, const std::string& estimator) {
-  if (estimator == "ppf") {
-    const Result<PpfConfig> ppf = ReadPpfConfig(config);
-    if (!ppf) return ppf.error();
-    return ppf->seed;
+std::string Suppressed(const ReplayOptions& options) {
+  std::string pattern;
+  for (const std::string& name : options.estimators) {
+    pattern += (pattern.empty() ? "" : "|") + DetectionsChannel(name);
   }
-  const Result<ShotConfig> shot = ReadShotConfig(config);
-  if (!shot) return shot.error();
-  return shot->seed;
+  pattern += kRecomputed;
+  if (!options.as_received) pattern += kAnswers;
+  if (options.with_extrinsics) pattern += kRecomputedExtrinsics;
+  return pattern;
 }
 
-Result<Nodes> MakeNodes(Bus& bus, const ReplayOptions& options) {
-  Nodes nodes;
-  if (options.with_extrinsics) {
-    Result<ConfigReader> own = options.open_config();
-    if (!own) return own.error();
-    Result<std::unique_ptr<Node>> extrinsics = MakeExtrinsicsNode(bus, *own, {});
-    if (!extrinsics) return extrinsics.error();
-    nodes.extrinsics = std::move(extrinsics).value();
+Result<void> CheckOptions(const ReplayOptions& options) {
+  if (options.threads < 1 || options.threads > kMostThreads) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("--threads is %d, expected 1 to %d", options.threads, kMostThreads)};
   }
   for (const std::string& name : options.estimators) {
-    Result<std::unique_ptr<Node>> estimator = MakeEstimator(bus, options, name);
-    if (!estimator) return estimator.error();
-    nodes.estimators.push_back(std::move(estimator).value());
+    if (std::ranges::count(options.estimators, name) > 1) {
+      return Error{ErrorCode::kInvalidArgument,
+                   Format("--estimator names %s twice, expected each once", name.c_str())};
+    }
+  }
+  return {};
+}
+
+/// What of the log is read. Errors: the log, --channels, --from or --to.
+Result<EventStream::Options> InputOf(const ReplayOptions& options) {
+  EventStream::Options input;
+  input.channels = options.channels;
+  input.window_us = kOrderWindow;
+  if (options.from.empty() && options.to.empty()) return input;
+  Result<std::unique_ptr<EventLogReader>> reader = EventLogReader::Open(options.log);
+  if (!reader) return reader.error();
+  const std::optional<LogEvent> first = (*reader)->Next();
+  const int64_t start = first ? first->utime : 0;
+  if (!options.from.empty()) {
+    const Result<int64_t> from = ParseLogPlace("--from", options.from, start);
+    if (!from) return from.error();
+    input.from_utime = *from;
+  }
+  if (!options.to.empty()) {
+    const Result<int64_t> to = ParseLogPlace("--to", options.to, start);
+    if (!to) return to.error();
+    input.to_utime = *to;
+  }
+  if (input.from_utime && input.to_utime && *input.from_utime > *input.to_utime) {
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("--from %s is after --to %s, expected a place before it",
+                        options.from.c_str(),
+                        options.to.c_str())};
+  }
+  return input;
+}
+
+/// Nothing of the log was wanted.
+Error NothingRead(const ReplayOptions& options, const EventStream& input) {
+  std::string channels;
+  for (const std::string& name : input.channels())
+    channels += (channels.empty() ? "" : ", ") + name;
+  const EventStream::Counters& met = input.counters();
+  const double span = 1e-6 * (static_cast<double>(met.last_utime.value_or(0)) -
+                              static_cast<double>(met.first_utime.value_or(0)));
+  std::string wanted;
+  if (!options.channels.empty()) wanted += " --channels " + options.channels;
+  if (!options.from.empty()) wanted += " --from " + options.from;
+  if (!options.to.empty()) wanted += " --to " + options.to;
+  return {ErrorCode::kNotFound,
+          Format("no event of log %s is in%s, expected some of its %.1f s from %jd on, on: %s",
+                 options.log.c_str(),
+                 wanted.c_str(),
+                 span,
+                 intmax_t{met.first_utime.value_or(0)},
+                 channels.c_str())};
+}
+
+void AddInputWarnings(const EventStream::Counters& counters, std::vector<std::string>* warnings) {
+  if (counters.num_sorted > 0) {
+    warnings->push_back(
+        Format("%jd events stood up to %.1f s too late in the log and were put in "
+               "the order of their times",
+               intmax_t{counters.num_sorted},
+               1e-6 * double{kOrderWindow}));
+  }
+  if (counters.num_late > 0) {
+    warnings->push_back(Format(
+        "the log's time goes back %jd times by more than %.1f s, by %.3f s at most, at first "
+        "at event %jd: a clock was set, or another recording begins there; such events were "
+        "taken as they stand",
+        intmax_t{counters.num_late},
+        1e-6 * double{kOrderWindow},
+        counters.largest_step_back,
+        intmax_t{*counters.late_event}));
+  }
+}
+
+/// A rerun, from its options to its end.
+class Rerun {
+ public:
+  Rerun(const ReplayOptions& options, const ReplayProgress& progress)
+      : options_(options),
+        progress_(progress),
+        cache_(options.cache ? options.cache : std::make_shared<EstimatorCache>()) {}
+
+  Result<ReplaySummary> Run() {
+    if (Result<void> sound = CheckOptions(options_); !sound) return sound.error();
+    if (Result<void> opened = OpenBus(); !opened) return opened.error();
+    if (Result<void> made = MakeNodes(); !made) return made.error();
+    if (Result<void> stepped = Step(); !stepped) return stepped.error();
+    return Finish();
   }
 
-  Result<ConfigReader> config = options.open_config();
-  if (!config) return config.error();
-  Result<FusionConfig> fusion_config = ReadFusionConfig(*config);
-  if (!fusion_config) return fusion_config.error();
-  fusion_config->state_file.clear();  // A rerun starts from nothing and leaves nothing.
-  Result<std::unique_ptr<Node>> fusion = MakeFusionNode(bus, *fusion_config, false);
-  if (!fusion) return fusion.error();
-  nodes.fusion = std::move(fusion).value();
-  return nodes;
-}
+ private:
+  Result<void> OpenBus() {
+    Result<std::unique_ptr<EventLogReader>> reader = EventLogReader::Open(options_.log);
+    if (!reader) return reader.error();
+    Result<ConfigReader> config = options_.open_config();
+    if (!config) return config.error();
+    Result<EventStream::Options> input = InputOf(options_);
+    if (!input) return input.error();
+    for (const std::string& name : options_.estimators) {
+      Result<ConfigReader> own = options_.open_config();
+      if (!own) return own.error();
+      Result<EstimatorCache::Made> made = cache_->Make(name, *own);
+      if (!made) return made.error();
+      made_.push_back(std::move(made).value());
+    }
+    if (!options_.output.empty()) {
+      Result<std::unique_ptr<EventLogWriter>> created = EventLogWriter::Create(options_.output);
+      if (!created) return created.error();
+      writer_ = std::move(created).value();
+    }
+    bus_options_.input = std::move(input).value();
+    bus_options_.suppress = Suppressed(options_);
+    bus_options_.copy_inputs = options_.with_inputs;
+    bus_options_.header.version = VANTAGE_VERSION;
+    bus_options_.header.config_text = config->text();
+    bus_options_.header.seed = static_cast<int64_t>(made_.front().config.seed);
+    Result<std::unique_ptr<LogBus>> bus =
+        LogBus::Create(bus_options_, std::move(reader).value(), writer_.get());
+    if (!bus) return bus.error();
+    bus_ = std::move(bus).value();
+    return {};
+  }
+
+  Result<void> MakeNodes() {
+    std::vector<ReplayEstimator> estimators;
+    std::vector<ReplayEstimator> scouting;
+    if (options_.threads > 1) {
+      ahead_ = std::make_unique<EstimateAhead>([this] { return bus_->counters().num_events; },
+                                               kAheadBytes);
+    }
+    for (size_t i = 0; i < made_.size(); ++i) {
+      const auto& [config, prototype] = made_[i];
+      const std::string& name = options_.estimators[i];
+      if (ahead_) {
+        EstimateAhead::Ends ends = ahead_->Add(prototype, config.seed);
+        scouting.push_back({name, config, std::move(ends.ask)});
+        estimators.push_back({name, config, std::move(ends.answer)});
+      } else {
+        estimators.push_back({name, config, EstimateBy(prototype->Clone(), config.seed)});
+      }
+    }
+    Result<ReplayNodes> nodes = MakeReplayNodes(bus_.get(), options_, estimators);
+    if (!nodes) return nodes.error();
+    nodes_ = std::move(nodes).value();
+    const auto keep = [this](const Envelope&, const object_estimates_v3_t& message) {
+      summary_.objects = message;
+    };
+    if (Result<void> kept = bus_->Subscribe<object_estimates_v3_t>("OBJECTS", {}, keep); !kept) {
+      return kept;
+    }
+    return ahead_ ? StartScout(scouting) : Result<void>();
+  }
+
+  Result<void> StartScout(const std::vector<ReplayEstimator>& estimators) {
+    Result<std::unique_ptr<EventLogReader>> reader = EventLogReader::Open(options_.log);
+    if (!reader) return reader.error();
+    Result<std::unique_ptr<LogBus>> created =
+        LogBus::Create(bus_options_, std::move(reader).value(), nullptr);
+    if (!created) return created.error();
+    const std::shared_ptr<LogBus> bus = std::move(created).value();
+    Result<ReplayNodes> made = MakeScoutNodes(bus.get(), options_, estimators);
+    if (!made) return made.error();
+    const auto nodes = std::make_shared<ReplayNodes>(std::move(made).value());
+    EstimateAhead::Scout scout;
+    scout.step = [bus, nodes] {
+      const Result<bool> more = bus->Step();
+      return more.ok() && *more;
+    };
+    scout.num_events = [bus] { return bus->counters().num_events; };
+    ahead_->Start(std::move(scout), options_.threads - 1);
+    return {};
+  }
+
+  Result<void> Step() {
+    start_utime_ = bus_->NowUtime();
+    while (true) {
+      const Result<bool> more = bus_->Step();
+      if (!more) return more.error();
+      if (!*more) break;
+      progress_(bus_->input().reader().progress(), bus_->counters().num_events);
+    }
+    ahead_.reset();
+    return {};
+  }
+
+  Result<ReplaySummary> Finish() {
+    if (bus_->counters().num_events == 0) return NothingRead(options_, bus_->input());
+    if (nodes_.as_received && nodes_.as_received->num_delivered() == 0) {
+      return Error{ErrorCode::kNotFound,
+                   Format("log %s has no %s of its images, expected some: they say which images "
+                          "live processes took",
+                          options_.log.c_str(),
+                          DetectionsChannel(options_.estimators.front()).c_str())};
+    }
+    if (writer_) {
+      if (Result<void> closed = writer_->Close(); !closed) return closed.error();
+    }
+    summary_.counters = bus_->counters();
+    summary_.damage = bus_->input().reader().damage();
+    summary_.span =
+        1e-6 * (static_cast<double>(bus_->NowUtime()) - static_cast<double>(start_utime_));
+    AddInputWarnings(bus_->input().counters(), &summary_.warnings);
+    if (nodes_.as_received) {
+      for (std::string& warning : nodes_.as_received->Warnings()) {
+        summary_.warnings.push_back(std::move(warning));
+      }
+    }
+    return std::move(summary_);
+  }
+
+  const ReplayOptions& options_;
+  const ReplayProgress& progress_;
+  std::shared_ptr<EstimatorCache> cache_;
+  std::vector<EstimatorCache::Made> made_;
+  std::unique_ptr<EventLogWriter> writer_;
+  LogBus::Options bus_options_;
+  std::unique_ptr<LogBus> bus_;
+  ReplayNodes nodes_;
+  std::unique_ptr<EstimateAhead> ahead_;  // Goes first: its threads end.
+  ReplaySummary summary_;
+  int64_t start_utime_ = 0;
+};
 
 }  // namespace
 
 Result<ReplaySummary> RunReplay(const ReplayOptions& options, const ReplayProgress& progress) {
-  Result<std::unique_ptr<EventLogReader>> reader = EventLogReader::Open(options.log);
-  if (!reader) return reader.error();
-  Result<ConfigReader> config = options.open_config();
-  if (!config) return config.error();
-  const Result<uint64_t> seed = ReadSeed(*config, options.estimators.front());
-  if (!seed) return seed.error();
-
-  std::unique_ptr<EventLogWriter> writer;
-  if (!options.output.empty()) {
-    Result<std::unique_ptr<EventLogWriter>> created = EventLogWriter::Create(options.output);
-    if (!created) return created.error();
-    writer = std::move(created).value();
-  }
-  LogBus::Options bus_options;
-  bus_options.suppress = kRecomputed;
-  if (options.with_extrinsics) bus_options.suppress += kRecomputedExtrinsics;
-  bus_options.copy_inputs = options.with_inputs;
-  bus_options.header.version = VANTAGE_VERSION;
-  bus_options.header.config_text = config->text();
-  bus_options.header.seed = static_cast<int64_t>(*seed);
-  Result<std::unique_ptr<LogBus>> bus =
-      LogBus::Create(bus_options, std::move(reader).value(), writer.get());
-  if (!bus) return bus.error();
-  const Result<Nodes> nodes = MakeNodes(**bus, options);
-  if (!nodes) return nodes.error();
-  ReplaySummary summary;
-  if (Result<void> subscribed = (*bus)->Subscribe<object_estimates_v3_t>(
-          "OBJECTS",
-          {},
-          [&summary](const Envelope&, const object_estimates_v3_t& message) {
-            summary.objects = message;
-          });
-      !subscribed) {
-    return subscribed.error();
-  }
-
-  const int64_t start = (*bus)->NowUtime();
-  while (true) {
-    const Result<bool> more = (*bus)->Step();
-    if (!more) return more.error();
-    if (!*more) break;
-    progress((*bus)->input().progress(), (*bus)->counters().num_events);
-  }
-  if (writer) {
-    if (Result<void> closed = writer->Close(); !closed) return closed.error();
-  }
-  summary.counters = (*bus)->counters();
-  summary.damage = (*bus)->input().damage();
-  summary.span = 1e-6 * static_cast<double>((*bus)->NowUtime() - start);
-  return summary;
+  return Rerun(options, progress).Run();
 }
 
 }  // namespace vantage

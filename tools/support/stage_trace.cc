@@ -38,6 +38,8 @@ class RecordingProposer : public PoseProposer {
     for (const PoseHypothesis& pose : found) call.poses.push_back(pose.T_camera_object);
     return found;
   }
+  // The copy writes nothing down.
+  [[nodiscard]] std::unique_ptr<PoseProposer> Clone() const override { return proposer_->Clone(); }
 
  private:
   std::unique_ptr<PoseProposer> proposer_;
