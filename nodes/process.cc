@@ -104,7 +104,8 @@ void IgnoreTablesOfOthers(ConfigReader& config) {
                             "confusion",
                             "planner",
                             "extrinsics",
-                            "sim"}) {
+                            "sim",
+                            "up"}) {
     if (!root.WasAsked(table)) root.Sub(table).IgnoreAll();
   }
 }

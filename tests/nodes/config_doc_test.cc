@@ -27,6 +27,7 @@
 #include "nodes/process.h"
 #include "nodes/shot_config.h"
 #include "nodes/sim_config.h"
+#include "nodes/up_config.h"
 #include "nodes/v4l2_config.h"
 
 namespace vantage {
@@ -182,6 +183,11 @@ const std::map<std::string, ReadConfig>& Readers() {
        [](ConfigReader& config) { return Finish(config, ReadExtrinsicsConfig(config)); }},
       {"vantage-sim-arm",
        [](ConfigReader& config) { return Finish(config, LoadSimConfig(config)); }},
+      {"vantage-up",
+       [](ConfigReader& config) {
+         ReadUpConfig(config);
+         return Finish(config);
+       }},
   };
   return readers;
 }
@@ -228,7 +234,7 @@ toml::table Base(const Document& document, const DocTable& table) {
   if (table.path.empty()) return toml::parse(document.examples.at(2));
   toml::table base =
       toml::parse(document.examples.at(0) + document.examples.at(1) + document.examples.at(3) +
-                  document.examples.at(5) + document.examples.at(6));
+                  document.examples.at(5) + document.examples.at(6) + document.examples.at(7));
   base["models"].as_table()->insert_or_assign("folder", (kSource / "models").string());
   return base;
 }
@@ -279,7 +285,8 @@ std::optional<std::string> EffectiveValue(const std::string& effective,
                                           const std::string& key) {
   std::string start;
   for (const std::string& part : table.path) {
-    const bool is_list = part == "object" || part == "likely_pose" || part == "keep_out";
+    const bool is_list =
+        part == "object" || part == "likely_pose" || part == "keep_out" || part == "process";
     start += part + (is_list ? "[0]." : ".");
   }
   start += key + " = ";
@@ -352,7 +359,7 @@ class ConfigDocument : public testing::Test {
 };
 
 TEST_F(ConfigDocument, HasTablesWithReadersAndExamples) {
-  ASSERT_EQ(document_.examples.size(), 7U);
+  ASSERT_EQ(document_.examples.size(), 8U);
   EXPECT_GT(document_.tables.size(), 10U);
   for (const DocTable& table : document_.tables) {
     EXPECT_FALSE(table.readers.empty()) << table.heading << " has no line \"Read by\"";
