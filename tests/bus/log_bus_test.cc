@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "bus/log_bus_port.h"
 #include "bus/message_schema.h"
 #include "tests/bus/support/temporary_folder.h"
 #include "vantage/next_view_t.hpp"
@@ -208,6 +209,44 @@ TEST_F(LogBusTest, EndsWhenHandlersAnswerEachOtherForEver) {
   EXPECT_NE(run.error().message.find("without end"), std::string::npos);
 }
 
+TEST_F(LogBusTest, PortsGetHeldChannelsWhenSomebodySaysSo) {
+  WriteInput({{100, "A", 1}, {200, "B", 2}, {300, "A", 3}, {400, "GO", 0}});
+  LogBus::Options options;
+  options.suppress = "GO";
+  auto bus = Open(options);
+  const Result<LogBus::Port*> port = bus->AddPort("A");
+  ASSERT_TRUE(port.ok());
+  std::optional<LogEvent> held;
+  bus->Watch([&](const LogEvent& event) {
+    seen.push_back("watched " + event.channel);
+    if (event.channel == "A" && !held) held = event;
+    if (event.channel == "GO") (*port)->Deliver(*held);
+  });
+  const auto note = [&](const std::string& who) {
+    return [&, who](const Envelope& envelope, const next_view_t& message) {
+      seen.push_back(who + " " + envelope.channel + std::to_string(message.seq) + " @" +
+                     std::to_string(bus->NowUtime()));
+      if (who == "port" && envelope.channel == "A") {
+        EXPECT_TRUE((*port)->Publish("C", message).ok());
+      }
+    };
+  };
+  ASSERT_TRUE((*port)->Subscribe<next_view_t>("A|B|C", {}, note("port")).ok());
+  ASSERT_TRUE(bus->Subscribe<next_view_t>("A|C", {}, note("bus")).ok());
+  ASSERT_TRUE(bus->Run().ok());
+  EXPECT_EQ(seen,
+            (std::vector<std::string>{"watched A",
+                                      "bus A1 @100",
+                                      "watched B",
+                                      "port B2 @200",
+                                      "watched A",
+                                      "bus A3 @300",
+                                      "watched GO",
+                                      "port A1 @400",
+                                      "port C1 @400",
+                                      "bus C1 @400"}));
+}
+
 TEST_F(LogBusTest, RefusesBadPatterns) {
   WriteInput({{100, "A", 10}});
   auto reader = EventLogReader::Open(input);
@@ -215,6 +254,7 @@ TEST_F(LogBusTest, RefusesBadPatterns) {
   LogBus::Options options;
   options.suppress = "A(";
   EXPECT_FALSE(LogBus::Create(options, std::move(reader).value(), nullptr).ok());
+  EXPECT_FALSE(Open()->AddPort("A(").ok());
 }
 
 }  // namespace

@@ -83,23 +83,24 @@ Result<EventStream::Options> InputOf(const ReplayOptions& options) {
 
 /// Nothing of the log was wanted.
 Error NothingRead(const ReplayOptions& options, const EventStream& input) {
-  std::string channels;
-  for (const std::string& name : input.channels())
-    channels += (channels.empty() ? "" : ", ") + name;
   const EventStream::Counters& met = input.counters();
-  const double span = 1e-6 * (static_cast<double>(met.last_utime.value_or(0)) -
-                              static_cast<double>(met.first_utime.value_or(0)));
+  const int64_t start = met.first_utime.value_or(0);
+  const double span =
+      1e-6 * (static_cast<double>(met.last_utime.value_or(0)) - static_cast<double>(start));
   std::string wanted;
   if (!options.channels.empty()) wanted += " --channels " + options.channels;
   if (!options.from.empty()) wanted += " --from " + options.from;
   if (!options.to.empty()) wanted += " --to " + options.to;
-  return {ErrorCode::kNotFound,
-          Format("no event of log %s is in%s, expected some of its %.1f s from %jd on, on: %s",
-                 options.log.c_str(),
-                 wanted.c_str(),
-                 span,
-                 intmax_t{met.first_utime.value_or(0)},
-                 channels.c_str())};
+  std::string there = Format("it has %.1f s from the utime %jd on", span, intmax_t{start});
+  if (!options.channels.empty()) {
+    const char* separator = ", of these channels: ";
+    for (const std::string& name : input.channels()) {
+      there += std::exchange(separator, ", ") + name;
+    }
+  }
+  return {
+      ErrorCode::kNotFound,
+      Format("nothing of log %s is in%s; %s", options.log.c_str(), wanted.c_str(), there.c_str())};
 }
 
 void AddInputWarnings(const EventStream::Counters& counters, std::vector<std::string>* warnings) {
