@@ -39,7 +39,7 @@ final class Arrivals {
     String rate = times.size() > 1 && span > 0
         ? Text.number((times.size() - 1) / span, 1) + " Hz, " : "";
     String losses = lastSeq < 0 ? "" : "seq " + lastSeq + ", " + lost + " lost, ";
-    return count + " messages, " + rate + losses + "the last one came "
+    return count + (count == 1 ? " message, " : " messages, ") + rate + losses + "the last one came "
         + Text.duration(1e-9 * (nowNs - lastNs)) + " ago";
   }
 

@@ -15,13 +15,13 @@ final class ObjectRows {
         message.num_objects + " objects from " + message.num_viewpoints + " viewpoints"
             + (message.finished ? ", finished" : "") + ", age "
             + Text.age(message.utime, nowUtime),
-        "object", "model", "state", "views", "pose by", "x y z, m", "w x y z", "± deg", "± mm",
+        "object", "model", "state", "views", "age", "pose by", "x y z, m", "w x y z", "± deg", "± mm",
         "rms, mm", "last change, deg", "entropy, nat", "converged", "note");
     Rows peaks = new Rows(
         "Orientations that they may have, the likeliest first",
         "object", "peak", "weight", "spread, deg", "w x y z");
     for (object_estimate_v3_t object : message.objects) {
-      addObject(object, objects);
+      addObject(object, Text.age(message.utime, nowUtime), objects);
       for (int i = 0; i < object.num_peaks; i++) {
         orientation_peak_v2_t peak = object.peaks[i];
         peaks.add(
@@ -36,7 +36,7 @@ final class ObjectRows {
     return List.of(objects, peaks);
   }
 
-  private static void addObject(object_estimate_v3_t object, Rows rows) {
+  private static void addObject(object_estimate_v3_t object, String age, Rows rows) {
     boolean refined = object.refinement == object_estimate_v3_t.REFINED;
     boolean refused = object.refinement == object_estimate_v3_t.REFINEMENT_REFUSED;
     boolean lost = object.state == object_estimate_v3_t.LOST;
@@ -54,6 +54,7 @@ final class ObjectRows {
     cells.add(Text.line(object.model_id));
     cells.add(state(object.state));
     cells.add(Integer.toString(object.num_views));
+    cells.add(age);
     cells.add(refined ? "refinement of " + object.refined_views + " images" : "fusion");
     cells.add(Text.numbers(refined ? object.refined_trans : object.trans, 4));
     cells.add(Text.numbers(quat, 4));

@@ -25,7 +25,9 @@ final class PicturePanel {
   private transient Picture picture;
   private Point mouse;
 
-  PicturePanel() {
+  /** Wide as an image of 4 to 3 is to be shown, px. */
+  PicturePanel(int width) {
+    canvas.setPreferredSize(new Dimension(width + SCALE_WIDTH + GAP, 3 * width / 4));
     line.putClientProperty("html.disable", Boolean.TRUE);
     line.setName("picture line");
     line.setBorder(BorderFactory.createEmptyBorder(2, 8, 2, 8));
@@ -95,11 +97,6 @@ final class PicturePanel {
 
     private int top() {
       return (int) (getHeight() - scale() * picture.height()) / 2;
-    }
-
-    @Override
-    public Dimension getPreferredSize() {
-      return new Dimension(640 + SCALE_WIDTH + GAP, 480);
     }
 
     @Override

@@ -1,11 +1,13 @@
 package vantage.spy;
 
 import java.awt.GridLayout;
+import java.awt.Window;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.concurrent.Executor;
 import javax.swing.JComponent;
 import javax.swing.JPanel;
+import javax.swing.SwingUtilities;
 import vantage.images_t;
 
 /** The images of a camera side by side: depth in false color, color as it is. */
@@ -45,9 +47,13 @@ final class PicturesView implements MessageView {
     panel.removeAll();
     shown.clear();
     for (int i = 0; i < count; i++) {
-      shown.add(new PicturePanel());
+      shown.add(new PicturePanel(count == 1 ? 640 : 480));
       panel.add(shown.get(i).component());
     }
     panel.revalidate();
+    Window window = SwingUtilities.getWindowAncestor(panel);
+    if (window != null) {
+      window.pack();
+    }
   }
 }

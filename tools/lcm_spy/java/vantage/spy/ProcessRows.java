@@ -14,7 +14,7 @@ final class ProcessRows {
 
   static List<Rows> of(Collection<process_status_t> processes, long nowUtime) {
     Rows states = new Rows(
-        processes.size() + " processes",
+        "Processes: " + processes.size(),
         "process", "host", "pid", "state", "version", "config", "up", "buffer, kB", "age");
     Rows channels = new Rows(
         "What they listen to",

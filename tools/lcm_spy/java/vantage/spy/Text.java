@@ -34,7 +34,7 @@ final class Text {
   /** Seconds in the unit that suits. */
   static String duration(double seconds) {
     double size = Math.abs(seconds);
-    if (!(size < 1e9)) {
+    if (!(size < 1e15)) {
       return number(seconds, 0) + " s";
     }
     if (size < 99.95) {
