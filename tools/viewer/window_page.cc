@@ -1,0 +1,148 @@
+#include "tools/viewer/window_page.h"
+
+#include <algorithm>
+#include <string>
+
+#include "common/format.h"
+#include "tools/support/rgb_canvas.h"
+#include "tools/viewer/orientation_panel.h"
+#include "tools/viewer/steps_panel.h"
+
+namespace vantage {
+namespace {
+
+std::string TimeText(const ViewerState& state, const ShownTime& time) {
+  const double now = 1e-6 * static_cast<double>(state.utime() - time.start_utime);
+  if (time.end_utime == 0) return Format("live, %.1f s", now);
+  return Format(
+      "%.2f s of %.2f s", now, 1e-6 * static_cast<double>(time.end_utime - time.start_utime));
+}
+
+std::string StatusText(const ViewerState& state, const ShownTime& time) {
+  std::string text = state.utime() == 0 ? "no message yet" : TimeText(state, time);
+  const ShownObjects& objects = state.objects();
+  text += Format("   view %d", objects.num_viewpoints);
+  const auto confirmed =
+      std::count_if(objects.objects.begin(), objects.objects.end(), [](const ShownObject& object) {
+        return object.state == object_estimate_v3_t::CONFIRMED;
+      });
+  text += Format("   %zu objects, %td confirmed", objects.objects.size(), confirmed);
+  if (objects.finished) text += ", finished";
+  for (const auto& [name, camera] : state.cameras()) {
+    if (!camera.state.empty()) text += "   " + name + " " + camera.state;
+  }
+  if (!state.arm_state().empty()) text += "   arm " + state.arm_state();
+  for (const auto& [name, process] : state.processes()) text += "   " + name + ": " + process;
+  return text;
+}
+
+void DrawStatus(const ViewerState& state, const ShownTime& time, const PixelBox& box, Page* page) {
+  FillBox(box, kInk, page->image);
+  const double middle = box.y + 0.5 * box.height;
+  constexpr double kLetter = 0.55 * 14;
+  const auto room = static_cast<size_t>((box.width - 260) / kLetter);
+  page->texts.push_back(
+      {box.x + 10.0, middle, PrintableText(StatusText(state, time), room), 14, kPaper});
+  page->texts.push_back(
+      {box.right() - 10.0,
+       middle,
+       Format("lost %jd   refused %jd", intmax_t{state.num_lost()}, intmax_t{state.num_refused()}),
+       14,
+       state.num_lost() + state.num_refused() > 0 ? Rgb{255, 170, 120} : kRule,
+       TextSide::kRight});
+}
+
+void DrawLegend(const ViewerState& state,
+                const ViewerScene& scene,
+                const ViewerOptions& options,
+                const PixelBox& box,
+                Page* page) {
+  const double upper = box.y + 13.0;
+  const double lower = box.y + 31.0;
+  const auto word = [&](double x, double y, const std::string& text, Rgb color) {
+    page->texts.push_back({x, y, text, 12, color});
+    return x + TextWidth(page->texts.back()) + 16.0;
+  };
+  double x = box.x + 10.0;
+  if (scene.cloud_scale) {
+    const char* what = scene.cloud_by_depth ? "cloud by depth" : "cloud by height";
+    x = word(x, upper, what, kInk) - 6.0;
+    x = DrawScale(x,
+                  upper,
+                  Format("%.2f", scene.cloud_scale->low),
+                  Format("%.2f m", scene.cloud_scale->high),
+                  &DepthColor,
+                  page) +
+        26.0;
+  }
+  if (scene.gain_scale) {
+    x = word(x, upper, "candidate views by gain", kInk) - 6.0;
+    x = DrawScale(x,
+                  upper,
+                  Format("%.3g", scene.gain_scale->low),
+                  Format("%.3g", scene.gain_scale->high),
+                  &GainColor,
+                  page) +
+        20.0;
+    x = word(x, upper, "out of reach", {150, 152, 160});
+    x = word(x, upper, "next view", kChosenColor);
+  }
+  x = box.x + 10.0;
+  if (options.show_uncertainty) {
+    x = word(
+        x,
+        lower,
+        Format("ellipsoid: position, %.0f sigma   cones: axes, %.0f sigma   pale models: other "
+               "peaks   boxes: detections of the last view",
+               options.ellipsoid_sigmas,
+               options.cone_sigmas),
+        kFaintInk);
+  }
+  if (!state.plan().reason.empty()) {
+    const auto room = static_cast<size_t>(std::max(20.0, box.width / (0.55 * 12)));
+    word(box.x + 10.0,
+         box.y + 49.0,
+         PrintableText("next view: " + state.plan().reason, room),
+         kChosenColor);
+  }
+}
+
+}  // namespace
+
+WindowLayout LayOut(int width, int height) {
+  constexpr int kStatus = 28;  // px
+  constexpr int kLegend = 60;  // px
+  const int side = std::clamp(36 * width / 100, 340, 720);
+  const int steps = std::clamp(22 * height / 100, 130, 240);
+  WindowLayout layout;
+  layout.status = {0, 0, width, kStatus};
+  layout.orientation = {width - side, kStatus + 6, side, height - kStatus - 6};
+  const int left = width - side - 1;
+  layout.scene = {0, kStatus, left, height - kStatus - kLegend - steps};
+  const int inset = std::min(38 * layout.scene.height / 100, left / 3);
+  layout.closeup = {layout.scene.right() - inset - 8, layout.scene.y + 8, inset, inset};
+  layout.legend = {0, layout.scene.bottom(), left, kLegend};
+  layout.steps = {0, layout.legend.bottom(), left, steps};
+  return layout;
+}
+
+Page DrawPage(const ViewerState& state,
+              const ViewerScene& scene,
+              const ViewerOptions& options,
+              const ShownTime& time,
+              int width,
+              int height) {
+  const WindowLayout layout = LayOut(width, height);
+  Page page;
+  page.image = FilledImage(width, height, kPaper);
+  FillBox(layout.scene, kSceneBackground, page.image);
+  FillBox({layout.scene.right(), layout.scene.y, 1, height}, kRule, page.image);
+  FillBox({0, layout.steps.y, layout.steps.width, 1}, kRule, page.image);
+  DrawStatus(state, time, layout.status, &page);
+  DrawLegend(state, scene, options, layout.legend, &page);
+  DrawStepsPanel(state, options, layout.steps, &page);
+  DrawOrientationPanel(state, options, layout.orientation, &page);
+  return page;
+}
+
+}  // namespace vantage
