@@ -18,6 +18,7 @@ class InfoCommand {
  private:
   CLI::App* command_;
   std::string log_;
+  bool json_ = false;
 };
 
 }  // namespace vantage
