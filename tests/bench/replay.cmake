@@ -1,0 +1,1 @@
+vantage_benchmark(replay_bench SOURCES replay_bench.cc LINK vantage_tools_replay)
