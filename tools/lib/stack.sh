@@ -22,7 +22,7 @@ start_fusion() { start_process fusion "$bin/vantage-fusion" --config "$config" "
 
 # start_logger FILE: records everything.
 start_logger() {
-  start_process lcm-logger lcm-logger --lcm-url="$LCM_DEFAULT_URL" -f -q "$1"
+  start_process recorder "$bin/vantage-log" record --config "$config" --output "$1" --force
 }
 
 # is_running NAME
