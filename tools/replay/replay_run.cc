@@ -104,13 +104,6 @@ Error NothingRead(const ReplayOptions& options, const EventStream& input) {
 }
 
 void AddInputWarnings(const EventStream::Counters& counters, std::vector<std::string>* warnings) {
-  if (counters.num_sorted > 0) {
-    warnings->push_back(
-        Format("%jd events stood up to %.1f s too late in the log and were put in "
-               "the order of their times",
-               intmax_t{counters.num_sorted},
-               1e-6 * double{kOrderWindow}));
-  }
   if (counters.num_late > 0) {
     warnings->push_back(Format(
         "the log's time goes back %jd times by more than %.1f s, by %.3f s at most, at first "
