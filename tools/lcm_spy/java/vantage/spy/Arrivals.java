@@ -35,12 +35,18 @@ final class Arrivals {
     while (times.size() > 1 && nowNs - times.peekFirst() > WINDOW_NS) {
       times.removeFirst();
     }
-    double span = 1e-9 * (times.peekLast() - times.peekFirst());
-    String rate = times.size() > 1 && span > 0
-        ? Text.number((times.size() - 1) / span, 1) + " Hz, " : "";
+    String rate = times.size() > 1 ? Text.number(rate(nowNs), 1) + " Hz, " : "";
     String losses = lastSeq < 0 ? "" : "seq " + lastSeq + ", " + lost + " lost, ";
     return count + (count == 1 ? " message, " : " messages, ") + rate + losses + "the last one came "
         + Text.duration(1e-9 * (nowNs - lastNs)) + " ago";
+  }
+
+  // Hz; falls as soon as the next message is later than the others were.
+  private double rate(long nowNs) {
+    int intervals = times.size() - 1;
+    double span = 1e-9 * Math.max(1, times.peekLast() - times.peekFirst());
+    double sinceFirst = 1e-9 * (nowNs - times.peekFirst());
+    return intervals / Math.max(span, sinceFirst - span / intervals);
   }
 
   synchronized long lost() {

@@ -115,8 +115,14 @@ final class HistogramView implements MessageView {
       if (latest.size() == MAX_OBJECTS) {
         return;
       }
-      latest.put(name, histogram);
-      objects.addItem(name);
+      int place = 0;
+      while (place < objects.getItemCount() && objects.getItemAt(place).compareTo(name) < 0) {
+        place++;
+      }
+      objects.insertItemAt(name, place);
+      if (latest.isEmpty()) {
+        objects.setSelectedIndex(0);
+      }
     }
     latest.put(name, histogram);
     if (name.equals(objects.getSelectedItem())) {

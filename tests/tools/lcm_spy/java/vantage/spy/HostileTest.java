@@ -21,7 +21,7 @@ import vantage.process_status_t;
  * them with a sentence. The argument is the log of spy_messages.
  */
 public final class HostileTest {
-  private static final int DAMAGES = 40; // Of each message.
+  private static final int DAMAGES = 20; // Of each message.
   private static final int MESSAGES = 6; // Of each channel.
 
   private static String log;

@@ -51,8 +51,12 @@ public final class RowsTest {
     for (int i = 0; i < 5000; i++) {
       steady.add(i * SECOND_NS / 20, -1);
     }
-    Check.equal(steady.describe(4999 * SECOND_NS / 20 + SECOND_NS / 2),
-        "5000 messages, 20.0 Hz, the last one came 0.5 s ago");
+    long last = 4999 * SECOND_NS / 20;
+    Check.equal(steady.describe(last), "5000 messages, 20.0 Hz, the last one came 0.0 s ago");
+    Check.equal(steady.describe(last + SECOND_NS),
+        "5000 messages, 10.3 Hz, the last one came 1.0 s ago");
+    Check.equal(steady.describe(last + 60 * SECOND_NS),
+        "5000 messages, the last one came 60.0 s ago");
   }
 
   static void testTheChosenViewIsFirstAndNanDoesNotMatter() {

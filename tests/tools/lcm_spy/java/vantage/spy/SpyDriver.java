@@ -49,6 +49,22 @@ final class SpyDriver {
     }
   }
 
+  /** Tries again what may come too early; fails as the last try did after a long time. */
+  static void eventually(Callable<Void> attempt) throws Exception {
+    long end = System.nanoTime() + PATIENCE_MS * 1_000_000;
+    while (true) {
+      try {
+        attempt.call();
+        return;
+      } catch (AssertionError problem) {
+        if (System.nanoTime() > end) {
+          throw problem;
+        }
+        Thread.sleep(300);
+      }
+    }
+  }
+
   /** The visible frame whose title begins so; null where there is none. */
   static JFrame frame(String title) {
     return frame(whole -> whole.startsWith(title));

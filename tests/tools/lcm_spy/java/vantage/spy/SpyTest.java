@@ -123,7 +123,20 @@ public final class SpyTest {
   // Three fifths of 320 x 240 px are measured, 600 to 1396 mm; the picture has dark sides.
   private static void testDepth(String channel) throws Exception {
     JFrame frame = openWindow(channel, "Images");
-    BufferedImage image = picture(frame, 0, channel);
+    SpyDriver.eventually(() -> {
+      checkDepth(frame, picture(frame, 0, channel));
+      return null;
+    });
+    SpyDriver.waitUntil("the window counts", () -> {
+      String status = SpyDriver.text(frame, "status");
+      return status.contains("Hz") && status.contains(" lost") && !status.contains("not shown");
+    });
+    if (channel.equals("CAMERA_ZLIB")) {
+      close(frame);
+    }
+  }
+
+  private static void checkDepth(JFrame frame, BufferedImage image) throws Exception {
     String line = SpyDriver.onSwing(() -> SpyDriver.text(frame, "picture line"));
     check(line.contains("320 x 240 px, 60.0 % measured, 600 to 1396 mm"), line);
     // The color scale beside the picture and what is around it are left out.
@@ -139,22 +152,18 @@ public final class SpyTest {
     double near = lightness(inside.getRGB(width / 2, height / 20));
     double far = lightness(inside.getRGB(width / 2, height - height / 20));
     check(near > far + 100, "near has lightness " + near + ", far " + far);
-    SpyDriver.waitUntil("the window counts", () -> {
-      String status = SpyDriver.text(frame, "status");
-      return status.contains("Hz") && status.contains(" lost") && !status.contains("not shown");
-    });
-    if (channel.equals("CAMERA_ZLIB")) {
-      close(frame);
-    }
   }
 
   private static void testColor(String channel, int index) throws Exception {
     JFrame frame =
         index == 1 ? SpyDriver.onSwing(() -> SpyDriver.frame(channel)) : openWindow(channel, "Images");
-    BufferedImage image = picture(frame, index, channel + "_color");
-    double red = share(image, c -> (c >> 16) > 180 && (c >> 8 & 0xff) < 40);
-    double green = share(image, c -> (c >> 16) < 40 && (c >> 8 & 0xff) > 160);
-    check(red > 0.15 && Math.abs(red - green) < 0.05, red + " is red, " + green + " is green");
+    SpyDriver.eventually(() -> {
+      BufferedImage image = picture(frame, index, channel + "_color");
+      double red = share(image, c -> (c >> 16) > 180 && (c >> 8 & 0xff) < 40);
+      double green = share(image, c -> (c >> 16) < 40 && (c >> 8 & 0xff) > 160);
+      check(red > 0.15 && Math.abs(red - green) < 0.05, red + " is red, " + green + " is green");
+      return null;
+    });
     close(frame);
   }
 
@@ -171,12 +180,14 @@ public final class SpyTest {
         SpyDriver.choose(SpyDriver.named(frame, JComboBox.class, "vectors"), vector);
         return null;
       });
-      Thread.sleep(700); // Until the window's thread has drawn it.
       JComponent spheres =
           SpyDriver.onSwing(() -> SpyDriver.named(frame, JComponent.class, "spheres"));
       String file = "histogram_" + object.substring(0, 1) + "_" + vector.charAt(0);
-      BufferedImage image = SpyDriver.screenshot(spheres, file);
-      checkSpot(image, Vectors.rotate(q, direction(vector)));
+      SpyDriver.eventually(() -> {
+        BufferedImage image = SpyDriver.screenshot(spheres, file);
+        checkSpot(image, Vectors.rotate(q, direction(vector)));
+        return null;
+      });
     }
     close(frame);
   }
@@ -241,9 +252,12 @@ public final class SpyTest {
       return row != null && Arrays.asList(row).containsAll(Arrays.asList(cells));
     });
     if (table == 0) {
-      BufferedImage image = SpyDriver.screenshot(frame, channel);
-      double ink = share(image, c -> lightness(c) < 300);
-      check(ink > 0.003, "an ink share of " + ink + " in " + channel);
+      SpyDriver.eventually(() -> {
+        BufferedImage image = SpyDriver.screenshot(frame, channel);
+        double ink = share(image, c -> lightness(c) < 300);
+        check(ink > 0.003, "an ink share of " + ink + " in " + channel);
+        return null;
+      });
     }
     close(frame);
   }
