@@ -15,6 +15,7 @@
 #include "tools/replay/replay_compare.h"
 #include "tools/replay/replay_config.h"
 #include "tools/replay/replay_run.h"
+#include "tools/replay/sweep_command.h"
 #include "tools/support/object_table.h"
 #include "tools/support/shown_progress.h"
 
@@ -26,6 +27,7 @@ constexpr int kBadInput = 2;
 struct Arguments {
   ReplayOptions replay;
   ReplayCompareOptions compare;
+  SweepArguments sweep;
   std::string config;
   std::vector<std::string> settings;
 };
@@ -84,6 +86,11 @@ int Run(const Arguments& arguments) {
   ReplayOptions options = arguments.replay;
   const Result<std::vector<ConfigOverride>> overrides = ParseSettings(arguments.settings);
   if (!overrides) return Fail(overrides.error());
+  if (!arguments.sweep.file.empty()) {
+    const Result<void> swept = Sweep(
+        arguments.sweep, {.replay = options, .config = arguments.config, .overrides = *overrides});
+    return swept ? 0 : Fail(swept.error());
+  }
   const Result<ReplayConfig> config = ResolveReplayConfig(options, arguments.config, *overrides);
   if (!config) return Fail(config.error());
   options.open_config = [&config] { return config->Open(); };
@@ -124,6 +131,7 @@ int Main(int argc, char** argv) {
       ->allow_extra_args(false)
       ->group("Configuration");
   AddReplayCompareArguments(&app, &arguments.compare);
+  AddSweepArguments(&app, &arguments.sweep);
   if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
   return Run(arguments);
 }
