@@ -22,7 +22,7 @@ final class CandidateRows {
       order.add(i);
     }
     order.sort(Comparator.<Integer>comparingInt(i -> i == message.selected ? 0 : 1)
-        .thenComparing(i -> message.candidates[i].gain, Comparator.reverseOrder()));
+        .thenComparing(i -> gain(message.candidates[i]), Comparator.reverseOrder()));
     for (int i : order) {
       view_candidate_t candidate = message.candidates[i];
       rows.add(
@@ -37,5 +37,10 @@ final class CandidateRows {
           Text.numbers(candidate.quat, 3));
     }
     return List.of(rows);
+  }
+
+  // NaN is less than all.
+  private static double gain(view_candidate_t candidate) {
+    return Double.isNaN(candidate.gain) ? Double.NEGATIVE_INFINITY : candidate.gain;
   }
 }

@@ -7,6 +7,7 @@ import java.util.Iterator;
 import javax.imageio.ImageIO;
 import javax.imageio.ImageReader;
 import javax.imageio.stream.ImageInputStream;
+import javax.imageio.stream.MemoryCacheImageInputStream;
 import vantage.image_t;
 
 /** Images of color cameras, in the pixel formats that Vantage's drivers publish, and BGR. */
@@ -45,7 +46,7 @@ final class ColorPicture {
     Iterator<ImageReader> readers = ImageIO.getImageReadersByFormatName("jpeg");
     ImageReader reader = readers.next();
     try (ImageInputStream stream =
-        ImageIO.createImageInputStream(new ByteArrayInputStream(image.data))) {
+        new MemoryCacheImageInputStream(new ByteArrayInputStream(image.data))) {
       reader.setInput(stream, true, true);
       if (reader.getWidth(0) != image.width || reader.getHeight(0) != image.height) {
         throw new IllegalArgumentException("the JPEG is " + reader.getWidth(0) + " x "

@@ -8,14 +8,17 @@ import vantage.image_metadata_t;
 import vantage.image_t;
 import vantage.images_t;
 
-/** The images of a message. */
-final class Pictures {
+/**
+ * The images of a message.
+ *
+ * @param shown at least one
+ * @param leftOut why another one is missing; empty: none is
+ */
+record Pictures(List<Picture> shown, String leftOut) {
   private static final int MAX_IMAGES = 8;
 
-  private Pictures() {}
-
-  /** Throws an IllegalArgumentException when one of them cannot be shown. */
-  static List<Picture> of(images_t message) {
+  /** Throws an IllegalArgumentException when none of them can be shown. */
+  static Pictures of(images_t message) {
     if (message.images.length == 0) {
       throw new IllegalArgumentException("a message without an image");
     }
@@ -23,13 +26,21 @@ final class Pictures {
       throw new IllegalArgumentException(
           message.images.length + " images in a message, expected at most " + MAX_IMAGES);
     }
-    List<Picture> pictures = new ArrayList<>();
+    List<Picture> shown = new ArrayList<>();
+    IllegalArgumentException problem = null;
     for (int i = 0; i < message.images.length; i++) {
       short type = message.image_types[i];
-      pictures.add(DepthPicture.isDepth(type)
-          ? DepthPicture.of(message.images[i], type) : ColorPicture.of(message.images[i]));
+      try {
+        shown.add(DepthPicture.isDepth(type)
+            ? DepthPicture.of(message.images[i], type) : ColorPicture.of(message.images[i]));
+      } catch (IllegalArgumentException refusal) {
+        problem = refusal;
+      }
     }
-    return pictures;
+    if (shown.isEmpty()) {
+      throw problem;
+    }
+    return new Pictures(shown, problem == null ? "" : "left out: " + problem.getMessage());
   }
 
   /** The metadata "seq" of the first image that has it; -1 where none has. */

@@ -22,7 +22,7 @@ import vantage.process_status_t;
  */
 public final class HostileTest {
   private static final int DAMAGES = 20; // Of each message.
-  private static final int MESSAGES = 6; // Of each channel.
+  private static final int MESSAGES = 4; // Of each channel.
 
   private static String log;
 

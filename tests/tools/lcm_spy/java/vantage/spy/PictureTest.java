@@ -219,6 +219,24 @@ public final class PictureTest {
     checkBlue(withoutTables(jpeg()));
   }
 
+  static void testAnImageThatCannotBeShownHidesNoOther() throws Exception {
+    images_t message = new images_t();
+    image_t foreign = image(5, 3, 10, depthBytes(10));
+    foreign.pixelformat = image_t.PIXEL_FORMAT_UYVY;
+    message.images = new image_t[] {foreign, image(WIDTH, HEIGHT, 10, depthBytes(10))};
+    message.image_types = new short[] {images_t.LEFT, images_t.DEPTH_MM};
+    Pictures pictures = Pictures.of(message);
+    Check.equal(pictures.shown().size(), 1);
+    checkDepth(pictures.shown().get(0));
+    Check.that(pictures.leftOut().contains("pixel format"), pictures.leftOut());
+    message.image_types[1] = images_t.LEFT;
+    Check.refused("pixel format", () -> Pictures.of(message));
+    message.images = new image_t[0];
+    Check.refused("without an image", () -> Pictures.of(message));
+    message.images = new image_t[9];
+    Check.refused("9 images", () -> Pictures.of(message));
+  }
+
   static void testSeqIsRead() {
     images_t message = new images_t();
     message.images = new image_t[] {image(5, 3, 10, depthBytes(10))};

@@ -59,7 +59,7 @@ public final class RowsTest {
         "5000 messages, the last one came 60.0 s ago");
   }
 
-  static void testTheChosenViewIsFirstAndNanDoesNotMatter() {
+  static void testTheChosenViewIsFirstAndNanIsLast() {
     next_view_t message = new next_view_t();
     double[] gains = {1, Double.NaN, 3, 2, Double.POSITIVE_INFINITY};
     message.candidates = new view_candidate_t[gains.length];
@@ -71,7 +71,8 @@ public final class RowsTest {
     message.selected = 3;
     Rows rows = CandidateRows.of(message, 0).get(0);
     Check.equal(rows.rows().get(0).cells()[0], "3");
-    Check.equal(rows.rows().get(4).cells()[0], "0");
+    Check.equal(rows.rows().get(1).cells()[0], "4");
+    Check.equal(rows.rows().get(4).cells()[0], "1");
     for (int none : new int[] {-1, 5, Integer.MAX_VALUE, Integer.MIN_VALUE}) {
       message.selected = none;
       Check.that(CandidateRows.of(message, 0).get(0).title().contains("no view"), "" + none);
