@@ -61,7 +61,7 @@ rerun played --output "$out/once.lcm" --threads 1
 rerun played --output "$out/again.lcm" --threads 2
 cmp "$out/once.lcm" "$out/again.lcm" || give_up "one thread and two give different bytes"
 
-# The comparison can fail: with every image there are other detections.
-"$bin/vantage-replay" "$out/played.lcm" --config "$config" --compare >"$out/every.txt" 2>&1 &&
-  give_up "a rerun on every image compares as equal to one on some"
+# The comparison can fail.
+"$bin/vantage-replay" "$out/played.lcm" --config "$config" --set fusion.sigma_deg=5 --as-received --compare \
+  >"$out/other.txt" 2>&1 && give_up "a rerun with another kernel width compares as equal"
 exit 0

@@ -107,7 +107,7 @@ TEST_F(ReplayReceived, ImagesThatLiveTookLateAreHeld) {
   LogEvents events = recorded;
   // Seconds after their images: of all places, in their order.
   for (LogEvent& event : events) {
-    if (event.channel.starts_with("DETECTIONS_")) event.utime += 5'000'000;
+    if (!event.channel.starts_with("CAMERA_")) event.utime += 5'000'000;
   }
   SortByTime(&events);
   const Result<ReplaySummary> summary = Rerun(events);
@@ -143,6 +143,15 @@ TEST_F(ReplayReceived, RecordingThatBeginsInMidRun) {
   const Result<ReplaySummary> summary = Rerun(recorded);
   EXPECT_TRUE(MessagesOn("DETECTIONS_PPF", rerun) == MessagesOn("DETECTIONS_PPF", recorded));
   ExpectWarning(summary, "DETECTIONS_PPF begins with seq 57");
+}
+
+TEST_F(ReplayReceived, FusionThatKnewSomethingAlreadyIsTold) {
+  LogEvents events = recorded;
+  LogEvent objects = *std::ranges::find(recorded, "OBJECTS", &LogEvent::channel);
+  objects.utime = events.front().utime + 1;
+  events.push_back(objects);
+  SortByTime(&events);
+  ExpectWarning(Rerun(events), "OBJECTS stand in the log before any detections");
 }
 
 TEST_F(ReplayReceived, EstimatorThatWasStartedAgain) {

@@ -100,7 +100,10 @@ void AsReceived::OnOthers(const LogEvent& event) {
   if (event.channel.starts_with(kDetections)) ++others_[event.channel];
   if (event.channel != "OBJECTS") return;
   const Result<object_estimates_v3_t> objects = DecodeChecked<object_estimates_v3_t>(event.data);
-  if (objects) Note(objects->seq, &counts_[event.channel]);
+  if (!objects) return;
+  // Live, they answer detections, or tell of a saved state.
+  if (counts_.empty() && others_.empty()) has_unknown_start_ = true;
+  Note(objects->seq, &counts_[event.channel]);
 }
 
 void AsReceived::Note(int64_t seq, Count* count) const {
@@ -151,6 +154,11 @@ std::vector<std::string> AsReceived::Warnings() const {
                                 name,
                                 intmax_t{estimator.num_corrupt}));
     }
+  }
+  if (has_unknown_start_) {
+    warnings.push_back(
+        "OBJECTS stand in the log before any detections: fusion knew something already, of a saved "
+        "state or from before the recording, that the rerun does not");
   }
   for (const auto& [channel, count] : counts_) {
     const char* name = channel.c_str();

@@ -74,6 +74,7 @@ class AsReceived {
   std::optional<int64_t> start_utime_;
   std::map<std::string, Estimator> estimators_;
   std::map<std::string, Count> counts_;    // Of detections, and OBJECTS.
+  bool has_unknown_start_ = false;         // Fusion knew something before the first detections.
   std::map<std::string, int64_t> others_;  // Detections of estimators that are not rerun.
   std::deque<Image> held_;
   size_t held_bytes_ = 0;
