@@ -19,7 +19,7 @@ double SecondsSince(int64_t utime, int64_t now) { return 1e-6 * static_cast<doub
 // Of a count that comes from outside: short enough for its column.
 std::string CountText(int64_t count) {
   if (count >= -9999 && count <= 99999) return Format("%" PRId64, count);
-  return BytesText(static_cast<double>(count));
+  return ScaledText(static_cast<double>(count));
 }
 
 std::string AgeText(double seconds) {
@@ -70,7 +70,7 @@ ScreenLine ProcessLine(const MonitorModel& model, const SeenProcess& process, in
                      CountText(all.overwritten).c_str(),
                      CountText(all.decode_errors).c_str(),
                      status.stages.empty() ? "-" : LatencyText(p99).c_str(),
-                     BytesText(status.receive_buffer_granted).c_str(),
+                     ScaledText(status.receive_buffer_granted).c_str(),
                      is_small ? "!" : " ",
                      HashText(model, status).c_str()) +
               Shown(status.state);
@@ -96,7 +96,7 @@ ScreenLine TitleLine(const MonitorModel& model, const std::string& where, int64_
                         Counted(model.processes().size(), "process", "processes").c_str(),
                         Counted(model.cameras().size(), "camera", "cameras").c_str(),
                         Counted(model.channels().size(), "channel", "channels").c_str(),
-                        BytesText(bandwidth).c_str()));
+                        ScaledText(bandwidth).c_str()));
 }
 
 std::vector<ScreenLine> ProcessTable(const MonitorModel& model, int64_t now) {
@@ -235,7 +235,7 @@ std::vector<ScreenLine> ChannelTable(const MonitorModel& model, ChannelOrder ord
     lines.push_back({Padded(name, 24) + " " + Padded(channel->type, 19) +
                          Format(" %6s %7s %5s %6s %7s",
                                 NumberText(channel->arrivals.Rate(now)).c_str(),
-                                BytesText(channel->arrivals.Bandwidth(now)).c_str(),
+                                ScaledText(channel->arrivals.Bandwidth(now)).c_str(),
                                 CountText(channel->num_lost).c_str(),
                                 AgeText(SecondsSince(channel->last_utime, now)).c_str(),
                                 LatencyText(channel->arrivals.Jitter()).c_str()),

@@ -44,7 +44,7 @@ std::string NumberText(double value) {
   return Format(size < 9.95 ? "%.1f" : "%.0f", value);
 }
 
-std::string BytesText(double bytes) {
+std::string ScaledText(double bytes) {
   if (!std::isfinite(bytes)) return "-";
   constexpr std::array<const char*, 5> kUnits = {"", " k", " M", " G", " T"};
   size_t unit = 0;

@@ -19,7 +19,7 @@ std::string DurationText(double seconds);
 /// Of so few characters as fit a table: "0.3", "12", "1234", "1e+09"; "-" for NaN and infinity.
 std::string NumberText(double value);
 /// "512", "12.3 k", "4.0 M": with the powers of 1000.
-std::string BytesText(double bytes);
+std::string ScaledText(double bytes);
 /// "0.4 ms", "12 ms", "1.2 s"; "-" unless it is finite.
 std::string LatencyText(double seconds);
 
