@@ -13,8 +13,9 @@ namespace vantage {
 namespace {
 
 constexpr auto kHeader = static_cast<int64_t>(EventHeader::kBytes);
-constexpr int64_t kScanBytes = 1 << 16;  // at a time
-constexpr int64_t kPeekCost = 512;       // bytes of looking ahead that a far header counts as
+constexpr int64_t kScanBytes = 1 << 16;   // at a time
+constexpr int64_t kPeekCost = 512;        // bytes of looking ahead that a far header counts as
+constexpr int64_t kRivalReach = 1 << 16;  // bytes
 
 bool IsPrintable(std::string_view text) {
   return std::ranges::all_of(text, [](char letter) { return letter >= ' ' && letter <= '~'; });
@@ -36,8 +37,10 @@ std::optional<EventFinder::Found> EventFinder::EventAt(int64_t offset,
   if (!header) return {};
   const int64_t end = offset + (header->HasPlausibleLengths() ? header->EventBytes() : 0);
   const bool whole = end > offset && end <= window_.size();
-  // The event and the header behind it, at once.
-  if (whole) window_.At(offset, end - offset + kHeader);
+  // The event, the header behind it and where else one may be, at once.
+  const std::span<const std::byte> around =
+      whole ? window_.At(offset, end - offset + kRivalReach + kHeader)
+            : std::span<const std::byte>();
   const Link link = whole ? LinkAt(end, header->number) : Link::kNone;
   const bool in_sequence = !last_number || header->number == *last_number + 1;
   const auto next_number = [&](int64_t at) -> std::optional<int64_t> {
@@ -51,7 +54,7 @@ std::optional<EventFinder::Found> EventFinder::EventAt(int64_t offset,
     found.header.sync = EventHeader::kSync;
     return found;
   }
-  if (link == Link::kCounts) {
+  if (link == Link::kCounts && !(HasRival(around, *header) && IsOutrivaled(offset, *header))) {
     return Found{.header = *header, .mended = nullptr, .next_number = header->number + 1};
   }
   // Either the numbers here do not count, or the lengths lead to a wrong place.
@@ -83,7 +86,10 @@ int64_t EventFinder::FindEvent(int64_t begin,
     const Link link = LinkAt(at + header->EventBytes(), header->number);
     if (last_number && Follows(header->number, *last_number)) {
       const bool is_near = header->number - *last_number <= 1000;
-      if (link != Link::kNone || (is_near && ChannelScore(at, *header) > 64)) return at;
+      if (link != Link::kNone || (is_near && ChannelScore(at, *header) > 64)) {
+        // What leads here number by number belongs to it: the last number was none of this log.
+        return counting < at && FollowCount(counting, at) == at ? counting : at;
+      }
     }
     if (link == Link::kCounts) counting = std::min(counting, at);
     plausible = std::min(plausible, at);
@@ -159,6 +165,49 @@ EventFinder::Link EventFinder::LinkAt(int64_t end, int64_t number) {
   const bool counts = number < std::numeric_limits<int64_t>::max() && next->number == number + 1;
   if (counts && BitsOff(next->sync) <= 1) return Link::kCounts;
   return next->IsPlausible() ? Link::kHeader : Link::kNone;
+}
+
+// A quick look for another header with the next number where one would be if a bit of a length were
+// flipped. @param around the event and what is behind it.
+bool EventFinder::HasRival(std::span<const std::byte> around, const EventHeader& header) {
+  const int64_t end = header.EventBytes();
+  const int64_t last = static_cast<int64_t>(around.size()) - kHeader;
+  for (int64_t step = 1; step <= kRivalReach; step *= 2) {
+    for (const int64_t at : {end - step, end + step}) {
+      if (at < kHeader || at > last) continue;
+      if (around[static_cast<size_t>(at)] != std::byte{EventHeader::kSync >> 24U}) continue;
+      const auto rival = EventHeader::Load(around.subspan(static_cast<size_t>(at)));
+      if (rival.IsPlausible() && rival.number == header.number + 1) return true;
+    }
+  }
+  return false;
+}
+
+// Of two places that the next number is at, the log goes on longer from the right one.
+bool EventFinder::IsOutrivaled(int64_t offset, const EventHeader& header) {
+  if (IsSoundMessage(offset, header) == true) return false;
+  const std::optional<EventHeader> mended = MendLengths(offset, header, Link::kHeader);
+  if (!mended) return false;
+  const int64_t size = window_.size();
+  return FollowCount(offset + mended->EventBytes(), size) >
+         std::max(FollowCount(offset + header.EventBytes(), size), offset + mended->EventBytes());
+}
+
+// Goes from header to header as long as numbers count up, at most to `end` and not for long.
+// @return how far it came.
+int64_t EventFinder::FollowCount(int64_t begin, int64_t end) {
+  constexpr int kMost = 1000;
+  int64_t at = begin;
+  for (int i = 0; i < kMost && at < end; ++i) {
+    const std::optional<EventHeader> header = HeaderAt(at);
+    if (!header || !header->HasPlausibleLengths()) break;
+    const int64_t next = at + header->EventBytes();
+    const Link link = LinkAt(next, header->number);
+    if (link != Link::kCounts && !(link == Link::kEnd && next == end)) break;
+    at = next;
+  }
+  lookahead_ -= kPeekCost;
+  return at;
 }
 
 // Lengths of which one bit was flipped: those with which the next event comes right behind.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,9 @@ class EventFinder {
   std::optional<EventHeader> HeaderAt(int64_t offset);
   std::vector<EventHeader> ChainAt(int64_t place);
   Link LinkAt(int64_t end, int64_t number);
+  static bool HasRival(std::span<const std::byte> around, const EventHeader& header);
+  bool IsOutrivaled(int64_t offset, const EventHeader& header);
+  int64_t FollowCount(int64_t begin, int64_t end);
   std::optional<EventHeader> MendLengths(int64_t offset, const EventHeader& header, Link link);
   bool EndsWell(int64_t offset, const EventHeader& read, const EventHeader& mended);
   std::optional<bool> IsSoundMessage(int64_t offset, const EventHeader& header);
