@@ -49,6 +49,8 @@ void Splat(const FiberPlace& place, double weight, Half& half) {
   const auto high = [&](double middle) {
     return std::min(half.side() - 1, static_cast<int>(half.radius * (1.0 + middle + kReach)) + 1);
   };
+  const double cosine = std::cos(place.angle);
+  const double sine = std::sin(place.angle);
   for (int row = low(-at.y()); row <= high(-at.y()); ++row) {
     for (int column = low(at.x()); column <= high(at.x()); ++column) {
       const Eigen::Vector3d point = half.PointAt(column, row);
@@ -57,8 +59,8 @@ void Splat(const FiberPlace& place, double weight, Half& half) {
       const double share = weight * std::exp(-0.5 * chord2 / (kKernel * kKernel));
       Blend& blend = half.at(column, row);
       blend.weight += static_cast<float>(share);
-      blend.cosine += static_cast<float>(share * std::cos(place.angle));
-      blend.sine += static_cast<float>(share * std::sin(place.angle));
+      blend.cosine += static_cast<float>(share * cosine);
+      blend.sine += static_cast<float>(share * sine);
     }
   }
 }

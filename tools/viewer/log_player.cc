@@ -42,14 +42,14 @@ void LogPlayer::ApplyNext() {
   ReadNext();
 }
 
-Result<void> LogPlayer::Survey(const std::function<bool(double share)>& progress) {
+Result<void> LogPlayer::Survey(const std::function<void(double share)>& progress) {
   while (next_) {
     const std::string channel(next_->channel);
     end_utime_ = next_utime_;
     ApplyNext();
     Mark(channel);
     if (num_events_ % keyframe_interval_ == 0) KeepKeyframe();
-    if (num_events_ % 256 == 0 && !progress(reader_->progress())) break;
+    if (num_events_ % 256 == 0) progress(reader_->progress());
   }
   if (reader_->damage().any()) damage_ = reader_->damage().Describe();
   if (state_.num_used() == 0) {

@@ -25,10 +25,9 @@ class LogPlayer {
 
   /// Plays the whole log once, to know its length and its marks, and to be quick anywhere in it
   /// after. The state is that of the end.
-  /// @param progress called with the share that is done; returns false to give up, which leaves
-  ///   the log as long as it was read
+  /// @param progress called with the share that is done, [0, 1]
   /// Errors: no message in it that the viewer shows.
-  Result<void> Survey(const std::function<bool(double share)>& progress);
+  Result<void> Survey(const std::function<void(double share)>& progress);
 
   /// Goes to where all events up to `utime` have been applied.
   void GoTo(int64_t utime);

@@ -59,17 +59,15 @@ class OrientationPanel {
                 VectorText(v_).c_str()));
     y += kHeadHeight;
     DrawDensity(left, y);
-    y += view_.height();
-    DrawFoot(left, y, true);
-    y += kFootHeight + 6;
+    DrawLegend(left, y, true);
+    y += view_.height() + kFootHeight + 8;
     Head(y, "The same by what v hides: the angle about it");
     y += kHeadHeight;
     const auto spots = FindSpots(samples_, v_, reference_, kSpotRadius, kMaxSpots);
     Paste(RenderFibers(samples_, v_, reference_, view_, kPaper), left, y, page_.image);
     for (size_t i = 0; i < spots.size(); ++i) DrawSpotNumber(left, y, spots[i].direction, i);
-    y += view_.height();
-    DrawFoot(left, y, false);
-    y += kFootHeight + 6;
+    DrawLegend(left, y, false);
+    y += view_.height() + kFootHeight + 8;
     DrawRings(spots, y);
   }
 
@@ -97,33 +95,27 @@ class OrientationPanel {
     }
   }
 
-  void DrawFoot(int left, int y, bool is_density) {
-    const double middle = y + 0.5 * kFootHeight;
+  // The sides' names in the pictures' corners, and below what the colors mean.
+  void DrawLegend(int left, int y, bool is_density) {
     for (const bool is_far : {false, true}) {
-      page_.texts.push_back({left + view_.Center(is_far).x(),
-                             middle,
+      page_.texts.push_back({left + view_.Center(is_far).x() - view_.radius_px,
+                             y + 10.0,
                              is_far ? "far side" : "near side",
                              12,
-                             kFaintInk,
-                             TextSide::kCenter});
+                             kFaintInk});
     }
     const double x = box_.x + 10.0;
+    const double middle = y + view_.height() + 0.5 * kFootHeight;
+    std::string note = "circles: peaks of OBJECTS, the large one is the estimate";
+    double end = 0.0;
     if (is_density) {
-      DrawScale(x, middle, "0", "most", &DensityColor, &page_);
-      const double right = box_.right() - 10.0;
-      page_.texts.push_back(
-          {right, middle, "o peaks", 12, ColorOfInstance(object_.instance), TextSide::kRight});
+      end = DrawScale(x, middle, "no weight", "most", &DensityColor, &page_);
     } else {
-      DrawScale(
-          x,
-          middle,
-          "-180",
-          "180 deg",
-          [](double t) { return AngleColor((2.0 * t - 1.0) * std::numbers::pi); },
-          &page_);
-      page_.texts.push_back(
-          {box_.right() - 10.0, middle, "grey: several", 12, kFaintInk, TextSide::kRight});
+      const auto color = [](double t) { return AngleColor((2.0 * t - 1.0) * std::numbers::pi); };
+      end = DrawScale(x, middle, "-180", "180 deg from the estimate", color, &page_);
+      note = "grey: several angles at one place";
     }
+    page_.texts.push_back({end + 18.0, middle, note, 12, kFaintInk});
   }
 
   void DrawSpotNumber(int left, int y, const Eigen::Vector3d& direction, size_t index) {

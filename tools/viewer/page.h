@@ -18,6 +18,7 @@ struct PixelBox {
 
   [[nodiscard]] int right() const { return x + width; }
   [[nodiscard]] int bottom() const { return y + height; }
+  bool operator==(const PixelBox&) const = default;
 };
 
 enum class TextSide { kLeft, kCenter, kRight };

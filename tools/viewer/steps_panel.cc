@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kHeadHeight = 24;    // px
 constexpr int kNameWidth = 118;    // px
-constexpr int kColumnWidth = 104;  // px
+constexpr int kColumnWidth = 116;  // px
 constexpr int kLeastRow = 34;      // px
 constexpr int kMostRow = 56;       // px
 
@@ -40,14 +40,17 @@ void DrawEntry(const StepEntry& entry, Rgb color, const PixelBox& box, Page* pag
     page->texts.push_back({x, middle, "not seen", 11, kFaintInk});
     return;
   }
-  std::string far = Format("%.1f deg %.1f mm", entry.angle / kDegree, 1e3 * entry.distance);
-  if (entry.nearest_peak > 0) far = Format("peak %zu: ", entry.nearest_peak + 1) + far;
-  page->texts.push_back({x, middle - 7.0, far, 11, kInk});
+  page->texts.push_back({x,
+                         middle - 7.0,
+                         Format("%.1f deg %.1f mm", entry.angle / kDegree, 1e3 * entry.distance),
+                         11,
+                         kInk});
   page->texts.push_back({x,
                          middle + 7.0,
-                         Format("score %.2f  w %.0f %%",
-                                entry.score,
-                                entry.peak_weights.empty() ? 0.0 : 100.0 * entry.peak_weights[0]),
+                         Format("p%zu %.0f %%  s %.2f",
+                                entry.nearest_peak + 1,
+                                100.0 * entry.peak_weights[entry.nearest_peak],
+                                entry.score),
                          11,
                          kFaintInk});
 }
@@ -75,8 +78,8 @@ void DrawStepsPanel(const ViewerState& state,
                          true});
   page->texts.push_back({box.x + 250.0,
                          box.y + 0.5 * kHeadHeight,
-                         "bar: weights of the peaks, 1st darkest; angle and distance: this view's "
-                         "detection to its nearest peak",
+                         "bar: weights of the peaks; deg, mm: this view's detection from the "
+                         "estimate, s its score; p: nearest peak, its weight",
                          12,
                          kFaintInk});
   const auto& objects = state.objects().objects;

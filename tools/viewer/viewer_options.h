@@ -23,7 +23,7 @@ struct ViewerOptions {
   bool show_candidates = true;
   bool show_uncertainty = true;
   double ellipsoid_sigmas = 30.0;  ///< semi-axes in standard deviations: those alone are too small
-  double cone_sigmas = 2.0;        ///< half width of the cones about the axes
+  double cone_sigmas = 10.0;       ///< half width of the cones about the axes
   double table_height = 0.0;       ///< m, world
 };
 

@@ -32,7 +32,7 @@ class SceneBuilder {
     AddCameras();
     AddSteps();
     if (options_.show_candidates) AddPlan();
-    SetBoxes();
+    SetViews();
     return std::move(scene_);
   }
 
@@ -45,7 +45,7 @@ class SceneBuilder {
   void AddCameras();
   void AddSteps();
   void AddPlan();
-  void SetBoxes();
+  void SetViews();
   void AddFrustum(const CameraModel& camera,
                   const Pose& T_world_camera,
                   double depth,
@@ -147,7 +147,8 @@ void SceneBuilder::AddObject(const ShownObject& object) {
   std::string text = Format("%d %s", object.instance, object.model_id.c_str());
   if (model == nullptr) text += " (no model)";
   if (!is_believed) text += object.state == object_estimate_v3_t::LOST ? " lost" : " tentative";
-  scene_.labels.push_back({center + Eigen::Vector3d(0.0, 0.0, 0.62 * size), text, color});
+  scene_.labels.push_back(
+      {center + Eigen::Vector3d(0.0, 0.0, 0.8 * size), text, Mix(color, {0, 0, 0}, 0.3)});
   if (options_.show_uncertainty) AddUncertainty(object, center, size);
 }
 
@@ -234,8 +235,8 @@ void SceneBuilder::AddPlan() {
   const ShownPlan& plan = state_.plan();
   SceneDots reachable;
   SceneDots unreachable;
-  reachable.size_px = 7.0;
-  unreachable.size_px = 4.0;
+  reachable.size_px = 5.0;
+  unreachable.size_px = 3.0;
   ScaleRange range;
   bool any = false;
   for (const ShownCandidate& candidate : plan.candidates) {
@@ -257,23 +258,25 @@ void SceneBuilder::AddPlan() {
   if (!plan.chosen) return;
   AddFrustum(AnyCamera(), plan.chosen->T_world_camera, 0.1, 3.0, kChosenColor);
   scene_.labels.push_back(
-      {plan.chosen->T_world_camera * Eigen::Vector3d(0.0, -0.06, 0.0), "next view", kChosenColor});
+      {plan.chosen->T_world_camera * Eigen::Vector3d(0.0, 0.09, 0.0), "next view", kChosenColor});
 }
 
-void SceneBuilder::SetBoxes() {
+void SceneBuilder::SetViews() {
   const double z = options_.table_height;
-  scene_.overview.extend(Eigen::Vector3d(-0.35, -0.35, z));
-  scene_.overview.extend(Eigen::Vector3d(0.35, 0.35, z + 0.1));
-  constexpr double kFarthest = 3.0;  // m; a stray pose must not shrink all else to a dot
-  const auto extend = [&](const Eigen::Vector3d& point) {
-    if (point.norm() < kFarthest) scene_.overview.extend(point);
+  constexpr double kHalfGround = 0.35;  // m
+  constexpr double kFarthest = 3.0;     // m; a stray pose must not shrink all else to a dot
+  const auto add = [&](const Eigen::Vector3d& point) {
+    if (point.norm() < kFarthest) scene_.overview.push_back(point);
   };
-  for (const ShownObject& object : state_.objects().objects) extend(object.position);
+  for (const double x : {-kHalfGround, kHalfGround}) {
+    for (const double y : {-kHalfGround, kHalfGround}) scene_.overview.push_back({x, y, z});
+  }
+  for (const ShownObject& object : state_.objects().objects) add(object.position);
   for (const ShownCandidate& candidate : state_.plan().candidates) {
-    if (candidate.reachable) extend(candidate.T_world_camera.translation());
+    if (candidate.reachable) add(candidate.T_world_camera.translation());
   }
   for (const auto& [name, camera] : state_.cameras()) {
-    if (camera.T_world_camera) extend(camera.T_world_camera->translation());
+    if (camera.T_world_camera) add(camera.T_world_camera->translation());
   }
   const ShownObject* chosen = ChosenObject(state_, options_);
   if (chosen == nullptr) {
@@ -283,9 +286,11 @@ void SceneBuilder::SetBoxes() {
   const ObjectModel* model = ModelOf(chosen->model_id);
   const Eigen::Vector3d center =
       chosen->PoseOfPeak(0) * (model != nullptr ? model->center : Eigen::Vector3d::Zero());
-  const double half = 0.6 * (model != nullptr ? model->diameter : kPlaceholder);
-  scene_.closeup.extend(center - Eigen::Vector3d::Constant(half));
-  scene_.closeup.extend(center + Eigen::Vector3d::Constant(half));
+  const double reach = 0.75 * (model != nullptr ? model->diameter : kPlaceholder);
+  for (int axis = 0; axis < 3; ++axis) {
+    scene_.closeup.push_back(center + reach * Eigen::Vector3d::Unit(axis));
+    scene_.closeup.push_back(center - reach * Eigen::Vector3d::Unit(axis));
+  }
 }
 
 }  // namespace

@@ -60,8 +60,8 @@ struct ViewerScene {
   std::optional<ScaleRange> cloud_scale;  ///< m; absent: colors of images, or no cloud
   bool cloud_by_depth = false;            ///< else by height
   std::optional<ScaleRange> gain_scale;   ///< of the candidates' gain
-  Eigen::AlignedBox3d overview;           ///< m, world, what a wide view should hold
-  Eigen::AlignedBox3d closeup;            ///< m, world, about the chosen object
+  std::vector<Eigen::Vector3d> overview;  ///< m, world, what a wide view should hold
+  std::vector<Eigen::Vector3d> closeup;   ///< m, world, about the chosen object
 };
 
 using ModelMap = std::map<std::string, std::shared_ptr<const ObjectModel>>;

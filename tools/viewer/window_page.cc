@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "common/format.h"
 #include "tools/support/rgb_canvas.h"
@@ -11,15 +12,20 @@
 namespace vantage {
 namespace {
 
-std::string TimeText(const ViewerState& state, const ShownTime& time) {
-  const double now = 1e-6 * static_cast<double>(state.utime() - time.start_utime);
-  if (time.end_utime == 0) return Format("live, %.1f s", now);
-  return Format(
+std::string TimeText(const ShownTime& time, const ShownPlayback& playback) {
+  const double now = 1e-6 * static_cast<double>(time.utime - time.start_utime);
+  if (time.end_utime == 0) return Format("live, %.0f s", now);
+  std::string text = Format(
       "%.2f s of %.2f s", now, 1e-6 * static_cast<double>(time.end_utime - time.start_utime));
+  if (playback.is_playing) text += Format(", playing at %g times", playback.speed);
+  return text;
 }
 
-std::string StatusText(const ViewerState& state, const ShownTime& time) {
-  std::string text = state.utime() == 0 ? "no message yet" : TimeText(state, time);
+std::string StatusText(const ViewerState& state,
+                       const ShownTime& time,
+                       const ShownPlayback& playback) {
+  std::string text = TimeText(time, playback);
+  if (state.num_used() == 0) text += "   no message yet";
   const ShownObjects& objects = state.objects();
   text += Format("   view %d", objects.num_viewpoints);
   const auto confirmed =
@@ -36,13 +42,15 @@ std::string StatusText(const ViewerState& state, const ShownTime& time) {
   return text;
 }
 
-void DrawStatus(const ViewerState& state, const ShownTime& time, const PixelBox& box, Page* page) {
+void DrawStatus(const ViewerState& state,
+                const std::string& text,
+                const PixelBox& box,
+                Page* page) {
   FillBox(box, kInk, page->image);
   const double middle = box.y + 0.5 * box.height;
   constexpr double kLetter = 0.55 * 14;
   const auto room = static_cast<size_t>((box.width - 260) / kLetter);
-  page->texts.push_back(
-      {box.x + 10.0, middle, PrintableText(StatusText(state, time), room), 14, kPaper});
+  page->texts.push_back({box.x + 10.0, middle, PrintableText(text, room), 14, kPaper});
   page->texts.push_back(
       {box.right() - 10.0,
        middle,
@@ -126,22 +134,48 @@ WindowLayout LayOut(int width, int height) {
   return layout;
 }
 
-Page DrawPage(const ViewerState& state,
-              const ViewerScene& scene,
-              const ViewerOptions& options,
-              const ShownTime& time,
-              int width,
-              int height) {
+Page PageDrawer::Draw(const ViewerState& state,
+                      const ViewerScene& scene,
+                      const ViewerOptions& options,
+                      const ShownTime& time,
+                      const ShownPlayback& playback,
+                      int width,
+                      int height) {
   const WindowLayout layout = LayOut(width, height);
   Page page;
   page.image = FilledImage(width, height, kPaper);
   FillBox(layout.scene, kSceneBackground, page.image);
   FillBox({layout.scene.right(), layout.scene.y, 1, height}, kRule, page.image);
+  const PixelBox& closeup = layout.closeup;
+  FillBox(
+      {closeup.x - 1, closeup.y - 1, closeup.width + 2, closeup.height + 2}, kFaintInk, page.image);
   FillBox({0, layout.steps.y, layout.steps.width, 1}, kRule, page.image);
-  DrawStatus(state, time, layout.status, &page);
+  DrawStatus(state, StatusText(state, time, playback), layout.status, &page);
   DrawLegend(state, scene, options, layout.legend, &page);
   DrawStepsPanel(state, options, layout.steps, &page);
-  DrawOrientationPanel(state, options, layout.orientation, &page);
+
+  const PixelBox& box = layout.orientation;
+  const ShownObject* object = ChosenObject(state, options);
+  Source source;
+  source.objects_utime = state.objects().utime;
+  source.vector = options.vector;
+  source.box = box;
+  if (object != nullptr) {
+    source.instance = object->instance;
+    source.histogram = state.histogram(object->instance);
+  }
+  if (!(source == source_)) {
+    orientation_.image = FilledImage(box.width, box.height, kPaper);
+    orientation_.texts.clear();
+    DrawOrientationPanel(state, options, {0, 0, box.width, box.height}, &orientation_);
+    source_ = source;
+  }
+  Paste(orientation_.image, box.x, box.y, page.image);
+  for (PageText text : orientation_.texts) {
+    text.x += box.x;
+    text.y += box.y;
+    page.texts.push_back(std::move(text));
+  }
   return page;
 }
 

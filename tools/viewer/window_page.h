@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 
 #include "tools/viewer/page.h"
 #include "tools/viewer/viewer_options.h"
@@ -24,18 +26,43 @@ struct WindowLayout {
 
 WindowLayout LayOut(int width, int height);
 
-/// When the run began and ends, for the status line.
+/// Where in a run the picture is, for the status line.
 struct ShownTime {
   int64_t start_utime = 0;  ///< us since the epoch
   int64_t end_utime = 0;    ///< us since the epoch; 0: live
+  int64_t utime = 0;        ///< us since the epoch
 };
 
-/// Everything but the scene itself.
-Page DrawPage(const ViewerState& state,
-              const ViewerScene& scene,
-              const ViewerOptions& options,
-              const ShownTime& time,
-              int width,
-              int height);
+/// How a log is being played.
+struct ShownPlayback {
+  bool is_playing = false;
+  double speed = 1.0;  ///< seconds of the log that pass in one
+};
+
+/// Draws everything but the scene itself. Keeps the spheres for as long as they are the same: they
+/// take the longest.
+class PageDrawer {
+ public:
+  Page Draw(const ViewerState& state,
+            const ViewerScene& scene,
+            const ViewerOptions& options,
+            const ShownTime& time,
+            const ShownPlayback& playback,
+            int width,
+            int height);
+
+ private:
+  // What the panel of the orientation is made from.
+  struct Source {
+    std::shared_ptr<const orientation_histogram_t> histogram;
+    int64_t objects_utime = -1;
+    int32_t instance = -1;
+    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+    PixelBox box;
+    bool operator==(const Source&) const = default;
+  };
+  Source source_;
+  Page orientation_;  // As large as its box.
+};
 
 }  // namespace vantage

@@ -33,12 +33,13 @@ class Offscreen {
     const ViewerScene scene = BuildScene(player_.state(), setup_.models, options_);
     window_.LookAtCloseup(scene.closeup);
     window_.Show(scene,
-                 DrawPage(player_.state(),
-                          scene,
-                          options_,
-                          {player_.start_utime(), player_.end_utime()},
-                          request_.width,
-                          request_.height));
+                 drawer_.Draw(player_.state(),
+                              scene,
+                              options_,
+                              {player_.start_utime(), player_.end_utime(), utime},
+                              {},
+                              request_.width,
+                              request_.height));
     return window_.Grab();
   }
 
@@ -77,6 +78,7 @@ class Offscreen {
   ViewerOptions options_;
   LogPlayer& player_;
   ViewerWindow window_;
+  PageDrawer drawer_;
 };
 
 }  // namespace

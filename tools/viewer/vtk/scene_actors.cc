@@ -112,13 +112,11 @@ vtkNew<vtkBillboardTextActor3D> LabelActor(const SceneLabel& label) {
   actor->SetInput(label.text.c_str());
   actor->SetPosition(label.at.x(), label.at.y(), label.at.z());
   vtkTextProperty& text = *actor->GetTextProperty();
-  text.SetFontSize(14);
+  text.SetFontSize(13);
   text.BoldOn();
   text.SetJustificationToCentered();
   text.SetVerticalJustificationToCentered();
   text.SetColor(label.color.r / 255.0, label.color.g / 255.0, label.color.b / 255.0);
-  text.SetBackgroundColor(0.957, 0.961, 0.973);
-  text.SetBackgroundOpacity(0.6);
   return actor;
 }
 

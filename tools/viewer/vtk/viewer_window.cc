@@ -21,6 +21,8 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "tools/viewer/vtk/scene_actors.h"
@@ -52,12 +54,24 @@ vtkStandardNewMacro(MouseOnly)
                        1.0 - static_cast<double>(box.y) / height);
 }
 
-void LookAtBox(const Eigen::AlignedBox3d& box, double aspect, vtkRenderer& renderer) {
+// As near as all points are in the picture.
+void LookAtAll(const std::vector<Eigen::Vector3d>& points, double aspect, vtkRenderer& renderer) {
+  if (points.empty()) return;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& point : points) box.extend(point);
+  const Eigen::Vector3d back = Eigen::Vector3d(0.62, -1.0, 0.55).normalized();
+  const Eigen::Vector3d right = Eigen::Vector3d::UnitZ().cross(back).normalized();
+  const Eigen::Vector3d up = back.cross(right);
+  const double tangent = 0.92 * std::tan(0.5 * kViewAngle * kDegree);
+  double distance = 0.05;  // m
+  for (const Eigen::Vector3d& point : points) {
+    const Eigen::Vector3d from = point - box.center();
+    const double needed =
+        std::max(std::abs(from.dot(right)) / aspect, std::abs(from.dot(up))) / tangent;
+    distance = std::max(distance, from.dot(back) + needed);
+  }
   const Eigen::Vector3d center = box.center();
-  const Eigen::Vector3d direction = Eigen::Vector3d(0.62, -1.0, 0.55).normalized();
-  const double half_angle = 0.5 * kViewAngle * kDegree * std::min(1.0, aspect);
-  const double distance = 0.5 * box.diagonal().norm() / std::sin(half_angle);
-  const Eigen::Vector3d eye = center + 0.80 * distance * direction;
+  const Eigen::Vector3d eye = center + distance * back;
   vtkCamera& camera = *renderer.GetActiveCamera();
   camera.SetFocalPoint(center.x(), center.y(), center.z());
   camera.SetPosition(eye.x(), eye.y(), eye.z());
@@ -87,13 +101,13 @@ struct ViewerWindow::Impl {
   vtkNew<vtkRenderer> scene_on_top;
   vtkNew<vtkRenderer> closeup;
   vtkNew<vtkRenderer> closeup_on_top;
+  vtkNew<vtkRenderer> controls;  // Above all: the slider.
   vtkNew<vtkImageMapper> picture;
   vtkNew<vtkRenderWindowInteractor> interactor;
   vtkNew<vtkSliderWidget> slider;
   vtkNew<vtkSliderRepresentation2D> slider_shape;
   vtkNew<vtkCallbackCommand> events;
   Handlers handlers;
-  bool is_fitted = false;
 
   void AddRenderer(vtkRenderer& renderer, int layer) {
     renderer.SetLayer(layer);
@@ -110,12 +124,13 @@ ViewerWindow::ViewerWindow(int width, int height, bool is_offscreen)
   m.window->SetSize(width, height);
   m.window->SetMultiSamples(4);
   m.window->SetWindowName("vantage-viewer");
-  m.window->SetNumberOfLayers(5);
+  m.window->SetNumberOfLayers(6);
   m.AddRenderer(*m.page, 0);
   m.AddRenderer(*m.scene, 1);
   m.AddRenderer(*m.scene_on_top, 2);
   m.AddRenderer(*m.closeup, 3);
   m.AddRenderer(*m.closeup_on_top, 4);
+  m.AddRenderer(*m.controls, 5);
   m.closeup->SetPreserveColorBuffer(0);
   m.closeup->SetBackground(1.0, 1.0, 1.0);
   m.scene_on_top->SetActiveCamera(m.scene->GetActiveCamera());
@@ -123,6 +138,7 @@ ViewerWindow::ViewerWindow(int width, int height, bool is_offscreen)
   m.page->InteractiveOff();
   m.scene_on_top->InteractiveOff();
   m.closeup_on_top->InteractiveOff();
+  m.controls->InteractiveOff();
   for (vtkRenderer* renderer :
        {m.scene.Get(), m.scene_on_top.Get(), m.closeup.Get(), m.closeup_on_top.Get()}) {
     vtkNew<vtkLightKit> lights;
@@ -169,17 +185,16 @@ void ViewerWindow::Show(const ViewerScene& scene, const Page& page) {
   FillRenderers(scene, *m.closeup, *m.closeup_on_top);
   m.scene->ResetCameraClippingRange();
   m.closeup->ResetCameraClippingRange();
-  m.window->Render();
+  if (m.window->GetOffScreenRendering() == 0) m.window->Render();
 }
 
-void ViewerWindow::LookAtOverview(const Eigen::AlignedBox3d& box) {
-  const int* size = impl_->window->GetSize();
-  const WindowLayout layout = LayOut(size[0], size[1]);
-  LookAtBox(box, static_cast<double>(layout.scene.width) / layout.scene.height, *impl_->scene);
+void ViewerWindow::LookAtOverview(const std::vector<Eigen::Vector3d>& points) {
+  const WindowLayout layout = LayOut(width(), height());
+  LookAtAll(points, static_cast<double>(layout.scene.width) / layout.scene.height, *impl_->scene);
 }
 
-void ViewerWindow::LookAtCloseup(const Eigen::AlignedBox3d& box) {
-  LookAtBox(box, 1.0, *impl_->closeup);
+void ViewerWindow::LookAtCloseup(const std::vector<Eigen::Vector3d>& points) {
+  LookAtAll(points, 1.0, *impl_->closeup);
 }
 
 RgbImage ViewerWindow::Grab() {
@@ -252,7 +267,7 @@ void ViewerWindow::Run(const Handlers& handlers, bool with_slider) {
     m.slider->SetInteractor(m.interactor);
     m.slider->SetRepresentation(m.slider_shape);
     m.slider->SetAnimationModeToJump();
-    m.slider->SetCurrentRenderer(m.scene_on_top);
+    m.slider->SetCurrentRenderer(m.controls);
     m.slider->EnabledOn();
     m.slider->AddObserver(vtkCommand::InteractionEvent, m.events);
   }

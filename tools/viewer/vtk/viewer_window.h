@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "tools/support/png_image.h"
 #include "tools/viewer/viewer_scene.h"
@@ -19,12 +20,12 @@ class ViewerWindow {
   ViewerWindow(const ViewerWindow&) = delete;
   ViewerWindow& operator=(const ViewerWindow&) = delete;
 
-  /// @param page as wide and high as the window.
+  /// @param page as wide and high as the window. Off the screen it is drawn by Grab().
   void Show(const ViewerScene& scene, const Page& page);
-  /// Turns the wide view so that it holds a box, from the usual side.
-  void LookAtOverview(const Eigen::AlignedBox3d& box);
+  /// Turns the wide view so that it holds points (m, world), from the usual side.
+  void LookAtOverview(const std::vector<Eigen::Vector3d>& points);
   /// The same of the close one.
-  void LookAtCloseup(const Eigen::AlignedBox3d& box);
+  void LookAtCloseup(const std::vector<Eigen::Vector3d>& points);
   /// What is on it.
   [[nodiscard]] RgbImage Grab();
   [[nodiscard]] int width() const;
