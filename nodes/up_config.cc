@@ -46,7 +46,7 @@ UpConfig ReadUpConfig(ConfigReader& config) {
   table.ReadPath("log_folder", &up.log_folder);
   table.Read("log_size_mb", &up.log_size_mb, 1, 10000);
   table.Read("log_files", &up.log_files, 1, 1000);
-  table.Read("start_s", &up.start_s, 1, 600);
+  table.Read("start_s", &up.start_s, 2, 600);  // The supervisor looks once a second.
   table.Read("start_retries", &up.start_retries, 0, 1000);
   table.Read("stop_s", &up.stop_s, 1, 600);
   std::set<std::string> names;

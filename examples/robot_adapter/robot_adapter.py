@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Connects an arm to Vantage: tells where its camera is and goes where it is asked."""
 import lcm  # pip install lcm
 from pretend_arm import PretendArm  # your robot's interface instead
@@ -9,12 +8,14 @@ status.name, status.view_seq = "XTION", -1
 
 
 def on_view(_channel, data):
-    view = next_view_t.decode(data)
+    try:
+        view = next_view_t.decode(data)
+    except Exception:
+        return  # no such message
     if view.selected == -1 or view.seq == status.view_seq:
         return  # stay; asked before
-    known = 0 <= view.selected < view.num_candidates
-    goal = view.candidates[view.selected] if known else None
-    status.reason = arm.move_to(goal.trans, goal.quat) if known else "there is no such candidate"
+    goal = view.candidates[view.selected] if 0 <= view.selected < view.num_candidates else None
+    status.reason = arm.move_to(goal.trans, goal.quat) if goal else "there is no such candidate"
     status.view_seq = view.seq
 
 

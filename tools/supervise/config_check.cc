@@ -28,6 +28,12 @@ Result<void> Finished(ConfigReader& config, const Result<T>& read) {
   return {};
 }
 
+// Drivers tell first that there is no camera for them.
+template <class T>
+Result<void> FinishedCamera(ConfigReader& config, const Result<T>& read) {
+  return read ? Finished(config, read) : Result<void>(read.error());
+}
+
 Result<void> CheckExtrinsics(ConfigReader& config) {
   const Result<ExtrinsicsConfig> read = ReadExtrinsicsConfig(config);
   if (Result<void> finished = Finished(config, read); !finished) return finished;
@@ -41,11 +47,11 @@ const std::map<std::string, Check>& Checks() {
   static const std::map<std::string, Check> checks = {
       {"vantage-openni2",
        [](ConfigReader& config, const std::string& name) {
-         return Finished(config, ReadOpenni2Config(config, name));
+         return FinishedCamera(config, ReadOpenni2Config(config, name));
        }},
       {"vantage-v4l2",
        [](ConfigReader& config, const std::string& name) {
-         return Finished(config, ReadV4l2Config(config, name));
+         return FinishedCamera(config, ReadV4l2Config(config, name));
        }},
       {"vantage-ppf",
        [](ConfigReader& config, const std::string&) {

@@ -18,7 +18,7 @@ std::optional<fs::path> ExecutableFile(const fs::path& file) {
 
 std::optional<fs::path> FindProgram(const std::string& name) {
   const char* path = std::getenv("PATH");
-  std::istringstream folders(std::string(path == nullptr ? "" : path) + ":/usr/bin:/bin:/usr/sbin");
+  std::istringstream folders(path == nullptr ? "/usr/bin:/bin:/usr/sbin" : path);
   for (std::string folder; std::getline(folders, folder, ':');) {
     if (folder.empty()) continue;
     if (std::optional<fs::path> found = ExecutableFile(fs::path(folder) / name)) return found;

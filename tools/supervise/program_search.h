@@ -9,8 +9,7 @@ namespace vantage {
 /// The absolute path of a file that may be executed.
 std::optional<std::filesystem::path> ExecutableFile(const std::filesystem::path& file);
 
-/// As a shell does: the first of that name in the folders of PATH, and in those where the system's
-/// programs are.
+/// As a shell does: the first of that name in the folders of PATH.
 std::optional<std::filesystem::path> FindProgram(const std::string& name);
 
 }  // namespace vantage

@@ -285,6 +285,7 @@ Result<int> Supervisor::Restart(const ProcessPlan& plan, const std::string& name
   if (stop.size() > 1) {
     if (const Result<std::string> stopped = Control(stop); !stopped) return stopped.error();
   }
+  if (Result<void> made = MakeLogFolder(run_); !made) return made.error();
   if (Result<void> written = WriteWholeFile(run_.config(), *config); !written) {
     return written.error();
   }

@@ -52,14 +52,10 @@ Result<std::string> ProgramSection(const PlannedProcess& process,
   std::string text = "\n[program:" + process.name + "]\n";
   text += "command=" + SupervisorCommand(*words) + "\n";
   text += Format("priority=%d\n", 100 * (static_cast<int>(process.stage) + 1));
-  if (process.stage == UpStage::kRecorder) {
-    // A full disk ends the recording alone: only a crash is mended.
-    text += "autorestart=unexpected\nexitcodes=0,1,2\nstartsecs=0\n";
-  } else {
-    text += "autorestart=true\n";
-    text += Format("startsecs=%d\n", up.start_s);
-  }
-  text += Format("startretries=%d\n", up.start_retries);
+  // A recording that a full disk ended, once it had begun, ends alone: only a crash is mended.
+  text += process.stage == UpStage::kRecorder ? "autorestart=unexpected\nexitcodes=0,1,2\n"
+                                              : "autorestart=true\n";
+  text += Format("startsecs=%d\nstartretries=%d\n", up.start_s, up.start_retries);
   text += Format("stopsignal=TERM\nstopwaitsecs=%d\n", up.stop_s);
   text += "stopasgroup=true\nkillasgroup=true\nredirect_stderr=true\n";
   text +=

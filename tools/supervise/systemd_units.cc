@@ -64,6 +64,8 @@ std::string Service(const ProcessPlan& plan, const PlannedProcess& process, cons
 
 std::string SystemdCommand(const std::vector<std::string>& words) {
   std::string line;
+  // No quotes may be in the program's own name.
+  if (words.front().find_first_of("\"'\\") != std::string::npos) line = "/usr/bin/env";
   for (const std::string& word : words) {
     if (!line.empty()) line += ' ';
     std::string without_variables;
