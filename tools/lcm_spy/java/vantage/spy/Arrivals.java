@@ -37,8 +37,8 @@ final class Arrivals {
     }
     String rate = times.size() > 1 ? Text.number(rate(nowNs), 1) + " Hz, " : "";
     String losses = lastSeq < 0 ? "" : "seq " + lastSeq + ", " + lost + " lost, ";
-    return count + (count == 1 ? " message, " : " messages, ") + rate + losses + "the last one came "
-        + Text.duration(1e-9 * (nowNs - lastNs)) + " ago";
+    return count + (count == 1 ? " message, " : " messages, ") + rate + losses
+        + "the last one came " + Text.duration(1e-9 * (nowNs - lastNs)) + " ago";
   }
 
   // Hz; falls as soon as the next message is later than the others were.

@@ -3,8 +3,8 @@ package vantage.spy;
 import java.util.Arrays;
 
 /**
- * Half of the unit sphere as it is seen from far away, z of the world up, and the density of samples on
- * it. As tools/support/sphere_renderer draws it in reports.
+ * Half of the unit sphere as it is seen from far away, z of the world up, and the density of
+ * samples on it. As tools/support/sphere_renderer draws it in reports.
  */
 final class Hemisphere {
   private static final double KERNEL = 0.035; // rad, standard deviation of the smoothing
@@ -64,8 +64,10 @@ final class Hemisphere {
     double column = radius * (1 + at[0]);
     double row = radius * (1 - at[1]);
     int span = (int) Math.ceil(radius * REACH);
-    for (int v = Math.max(0, (int) row - span); v <= Math.min(size() - 1, row + span); v++) {
-      for (int u = Math.max(0, (int) column - span); u <= Math.min(size() - 1, column + span); u++) {
+    int left = Math.max(0, (int) column - span);
+    int top = Math.max(0, (int) row - span);
+    for (int v = top; v <= Math.min(size() - 1, row + span); v++) {
+      for (int u = left; u <= Math.min(size() - 1, column + span); u++) {
         double x = (u - radius) / (double) radius;
         double y = (radius - v) / (double) radius;
         double rest = 1 - x * x - y * y;

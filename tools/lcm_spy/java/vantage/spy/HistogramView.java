@@ -1,10 +1,7 @@
 package vantage.spy;
 
 import java.awt.BorderLayout;
-import java.awt.Color;
-import java.awt.Dimension;
 import java.awt.FlowLayout;
-import java.awt.Graphics;
 import java.awt.event.ComponentAdapter;
 import java.awt.event.ComponentEvent;
 import java.awt.event.MouseAdapter;
@@ -29,32 +26,12 @@ final class HistogramView implements MessageView {
   private static final double TURN = 0.008; // rad by px
   private static final double MAX_ELEVATION = 1.5; // rad
 
-  private enum RotatedVector {
-    DIAGONAL("(1, 1, 1)/√3", 1, 1, 1),
-    X("x axis", 1, 0, 0),
-    Y("y axis", 0, 1, 0),
-    Z("z axis", 0, 0, 1);
-
-    private final String label;
-    private final double[] vector;
-
-    RotatedVector(String label, double... vector) {
-      this.label = label;
-      this.vector = Vectors.unit(vector);
-    }
-
-    @Override
-    public String toString() {
-      return label;
-    }
-  }
-
   private final Executor worker;
   private final JPanel panel = new JPanel(new BorderLayout());
   private final JComboBox<String> objects = new JComboBox<>();
   private final JComboBox<RotatedVector> vectors = new JComboBox<>(RotatedVector.values());
   private final JLabel line = new JLabel(" ");
-  private final Canvas canvas = new Canvas();
+  private final SphereCanvas canvas = new SphereCanvas();
   private final Map<String, orientation_histogram_t> latest = new HashMap<>(); // Swing thread's.
   private double azimuth = Math.toRadians(45);
   private double elevation = Math.asin(Math.sqrt(1 / 3.0));
@@ -146,12 +123,11 @@ final class HistogramView implements MessageView {
       Math.sin(elevation)
     };
     worker.execute(() -> {
-      SphereSamples samples = SphereSamples.of(histogram, vector.vector);
+      SphereSamples samples = SphereSamples.of(histogram, vector.direction());
       BufferedImage image = SpherePicture.of(samples, towards, radius);
       SwingUtilities.invokeLater(() -> {
-        canvas.image = image;
+        canvas.show(image);
         line.setText(describe(histogram, samples));
-        canvas.repaint();
       });
     });
   }
@@ -185,26 +161,6 @@ final class HistogramView implements MessageView {
       elevation = Math.max(-MAX_ELEVATION, Math.min(MAX_ELEVATION, raised));
       mousePressed(event);
       draw();
-    }
-  }
-
-  private static final class Canvas extends JComponent {
-    private static final long serialVersionUID = 1;
-    private transient BufferedImage image;
-
-    @Override
-    public Dimension getPreferredSize() {
-      return new Dimension(800, 410);
-    }
-
-    @Override
-    protected void paintComponent(Graphics g) {
-      g.setColor(new Color(SpherePicture.BACKGROUND));
-      g.fillRect(0, 0, getWidth(), getHeight());
-      if (image != null) {
-        g.drawImage(
-            image, (getWidth() - image.getWidth()) / 2, (getHeight() - image.getHeight()) / 2, null);
-      }
     }
   }
 }

@@ -19,8 +19,8 @@ final class ImageSize {
   static void checkStride(image_t image, int rowBytes, boolean longerToo) {
     boolean sound = longerToo ? image.row_stride >= rowBytes : image.row_stride == rowBytes;
     if (!sound) {
-      throw new IllegalArgumentException("an image of " + image.width + " px a row has a row stride of "
-          + image.row_stride + " bytes, expected " + rowBytes + (longerToo ? " or more" : ""));
+      throw new IllegalArgumentException("an image of " + image.width
+          + " px a row has a row stride of " + image.row_stride + " bytes, expected " + rowBytes + (longerToo ? " or more" : ""));
     }
   }
 

@@ -11,8 +11,8 @@ import javax.swing.SwingUtilities;
 import lcm.spy.ChannelData;
 
 /**
- * What the plugins share. lcm-spy looks for classes that name SpyPlugin among their own interfaces, so
- * each of them does, beside extending this.
+ * What the plugins share. lcm-spy looks for classes that name SpyPlugin among their own interfaces,
+ * so each of them does, beside extending this.
  */
 abstract class MessagePlugin {
   private final String name;

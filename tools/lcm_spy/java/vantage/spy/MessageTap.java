@@ -7,9 +7,9 @@ import lcm.spy.ChartData;
 import lcm.spy.ObjectPanel;
 
 /**
- * Hands over every message that lcm-spy decodes on a channel, on LCM's thread. ChannelData.last alone
- * would not do: who looks at it now and then misses messages that come in a burst. lcm-spy gives each
- * one to ChannelData.viewer, its structure viewer; the tap stands in front of that.
+ * Hands over every message that lcm-spy decodes on a channel, on LCM's thread. ChannelData.last
+ * alone would not do: who looks at it now and then misses messages that come in a burst. lcm-spy
+ * gives each one to ChannelData.viewer, its structure viewer; the tap stands in front of that.
  */
 final class MessageTap extends ObjectPanel {
   private static final long serialVersionUID = 1;

@@ -8,8 +8,8 @@ interface MessageView {
   JComponent component();
 
   /**
-   * Works a message out, on the window's own thread. What it returns runs on the Swing thread. Throws
-   * an IllegalArgumentException with one sentence when the message makes no sense.
+   * Works a message out, on the window's own thread. What it returns runs on the Swing thread.
+   * Throws an IllegalArgumentException with one sentence when the message makes no sense.
    */
   Runnable prepare(Object message);
 

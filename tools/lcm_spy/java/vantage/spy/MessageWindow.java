@@ -23,8 +23,8 @@ import lcm.spy.ChannelData;
 
 /**
  * A view of one channel with a line about how its messages come. A tap on LCM's thread queues
- * messages, a thread of the window works them out, the Swing thread shows them. A message that cannot
- * be shown is counted and told in the line; the one before stays in sight.
+ * messages, a thread of the window works them out, the Swing thread shows them. A message that
+ * cannot be shown is counted and told in the line; the one before stays in sight.
  */
 final class MessageWindow {
   private static final int REFRESH_MS = 500;

@@ -15,8 +15,8 @@ final class ObjectRows {
         message.num_objects + " objects from " + message.num_viewpoints + " viewpoints"
             + (message.finished ? ", finished" : "") + ", age "
             + Text.age(message.utime, nowUtime),
-        "object", "model", "state", "views", "age", "pose by", "x y z, m", "w x y z", "± deg", "± mm",
-        "rms, mm", "last change, deg", "entropy, nat", "converged", "note");
+        "object", "model", "state", "views", "age", "pose by", "x y z, m", "w x y z", "± deg",
+        "± mm", "rms, mm", "last change, deg", "entropy, nat", "converged", "note");
     Rows peaks = new Rows(
         "Orientations that they may have, the likeliest first",
         "object", "peak", "weight", "spread, deg", "w x y z");

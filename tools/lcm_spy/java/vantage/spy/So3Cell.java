@@ -1,10 +1,10 @@
 package vantage.spy;
 
 /**
- * The cells of the orientation histogram (docs/fusion.md): x, y, z in [-1, 1] in 2k parts, w in [0, 1]
- * in k; the cells that meet the unit sphere count. The grid's own representative of a cell is the
- * centroid of the patch of the sphere inside it; for a picture the middle of the cell, normalized, is
- * near enough: both lie in the same cell, 1/k wide.
+ * The cells of the orientation histogram (docs/fusion.md): x, y, z in [-1, 1] in 2k parts, w in [0,
+ * 1] in k; the cells that meet the unit sphere count. The grid's own representative of a cell is
+ * the centroid of the patch of the sphere inside it; for a picture the middle of the cell,
+ * normalized, is near enough: both lie in the same cell, 1/k wide.
  */
 final class So3Cell {
   static final int SMALLEST_K = 2;

@@ -5,8 +5,8 @@ import java.util.Map;
 import vantage.orientation_histogram_t;
 
 /**
- * Where the orientations of a histogram take a vector (paper section 4.1), gathered in bins of about
- * half a degree so that drawing costs by places, not by cells.
+ * Where the orientations of a histogram take a vector (paper section 4.1), gathered in bins of
+ * about half a degree so that drawing costs by places, not by cells.
  *
  * @param directions unit vectors
  * @param weights of the directions, above 0

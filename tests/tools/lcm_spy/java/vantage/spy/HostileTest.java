@@ -17,8 +17,8 @@ import vantage.orientation_histogram_t;
 import vantage.process_status_t;
 
 /**
- * Messages of a log with flipped bits, as far as they can be decoded: the windows show them or refuse
- * them with a sentence. The argument is the log of spy_messages.
+ * Messages of a log with flipped bits, as far as they can be decoded: the windows show them or
+ * refuse them with a sentence. The argument is the log of spy_messages.
  */
 public final class HostileTest {
   private static final int DAMAGES = 20; // Of each message.

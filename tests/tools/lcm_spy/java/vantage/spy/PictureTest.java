@@ -146,7 +146,8 @@ public final class PictureTest {
     for (int i = 0; i < vdc.length; i++) {
       byte[] damaged = vdc.clone();
       damaged[i] ^= 4;
-      Check.refused("codec", () -> DepthPicture.of(image(5, 3, 10, damaged), images_t.DEPTH_MM_VDC));
+      image_t image = image(5, 3, 10, damaged);
+      Check.refused("codec", () -> DepthPicture.of(image, images_t.DEPTH_MM_VDC));
     }
   }
 

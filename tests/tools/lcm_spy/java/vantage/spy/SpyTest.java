@@ -15,9 +15,9 @@ import javax.swing.JFrame;
 import javax.swing.JTable;
 
 /**
- * Runs inside lcm-spy's process as a Java agent: opens every window and looks at what is in it. Ends
- * the process with 0 when all is as it must be. The argument is the file of facts that spy_messages
- * wrote.
+ * Runs inside lcm-spy's process as a Java agent: opens every window and looks at what is in it.
+ * Ends the process with 0 when all is as it must be. The argument is the file of facts that
+ * spy_messages wrote.
  */
 public final class SpyTest {
   private static final int INVALID = Colors.NO_DEPTH;
@@ -155,8 +155,8 @@ public final class SpyTest {
   }
 
   private static void testColor(String channel, int index) throws Exception {
-    JFrame frame =
-        index == 1 ? SpyDriver.onSwing(() -> SpyDriver.frame(channel)) : openWindow(channel, "Images");
+    JFrame frame = index == 1
+        ? SpyDriver.onSwing(() -> SpyDriver.frame(channel)) : openWindow(channel, "Images");
     SpyDriver.eventually(() -> {
       BufferedImage image = picture(frame, index, channel + "_color");
       double red = share(image, c -> (c >> 16) > 180 && (c >> 8 & 0xff) < 40);
@@ -201,7 +201,7 @@ public final class SpyTest {
     };
   }
 
-  // Where the project's documents say that a direction lies: seen from (1, 1, 1), z up, near side left.
+  // Where docs/spy.md says that a direction lies: seen from (1, 1, 1), z up, near side left.
   private static void checkSpot(BufferedImage image, double[] direction) {
     int radius = Math.min((image.getWidth() - 32) / 4, (image.getHeight() - 21) / 2);
     double across = (direction[1] - direction[0]) / Math.sqrt(2);
@@ -243,10 +243,11 @@ public final class SpyTest {
     close(frame);
   }
 
-  private static void checkRow(String channel, String plugin, int table, String[] begin, String... cells)
-      throws Exception {
+  private static void checkRow(
+      String channel, String plugin, int table, String[] begin, String... cells) throws Exception {
     JFrame frame = openWindow(channel, plugin);
-    SpyDriver.waitUntil("a line " + Arrays.toString(begin) + " with " + Arrays.toString(cells), () -> {
+    String wanted = Arrays.toString(begin) + " with " + Arrays.toString(cells);
+    SpyDriver.waitUntil("a line " + wanted, () -> {
       JTable list = SpyDriver.table(frame, table);
       String[] row = list == null ? null : SpyDriver.row(list, begin);
       return row != null && Arrays.asList(row).containsAll(Arrays.asList(cells));
