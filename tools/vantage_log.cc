@@ -9,6 +9,7 @@
 #include "tools/log/check_command.h"
 #include "tools/log/compare_command.h"
 #include "tools/log/cut_command.h"
+#include "tools/log/export_command.h"
 #include "tools/log/filter_command.h"
 #include "tools/log/import_command.h"
 #include "tools/log/info_command.h"
@@ -38,9 +39,10 @@ int Run(int argc, char** argv) {
   const FilterCommand filter(&app);
   const MergeCommand merge(&app);
   const ImportCommand import(&app);
+  const ExportCommand export_files(&app);
   if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
   const Result<int> done =
-      RunChosen(info, record, check, repair, compare, cut, filter, merge, import);
+      RunChosen(info, record, check, repair, compare, cut, filter, merge, import, export_files);
   if (!done) {
     std::fprintf(stderr, "vantage-log: %s\n", done.error().message.c_str());
     return 2;
