@@ -16,6 +16,7 @@
 #include "bus/live_bus.h"
 #include "common/format.h"
 #include "nodes/command_line.h"
+#include "tools/support/interrupt.h"
 #include "tools/viewer/log_player.h"
 #include "tools/viewer/viewer_keys.h"
 #include "tools/viewer/viewer_setup.h"
@@ -124,15 +125,19 @@ Result<void> ViewLive(const Arguments& arguments, const ViewerSetup& setup) {
                   **bus);
 }
 
-Result<void> View(Arguments arguments) {
-  if (Result<void> complete = Complete(&arguments); !complete) return complete;
+/// @return the exit code.
+Result<int> View(Arguments arguments) {
+  if (Result<void> complete = Complete(&arguments); !complete) return complete.error();
   if (!arguments.offscreen) {
-    if (Result<void> display = CheckDisplay(); !display) return display;
+    if (Result<void> display = CheckDisplay(); !display) return display.error();
   }
   Result<ViewerSetup> setup = LoadViewerSetup(arguments.config, arguments.log);
   if (!setup) return setup.error();
   arguments.options.table_height = setup->table_height;
-  if (arguments.log.empty()) return ViewLive(arguments, *setup);
+  if (arguments.log.empty()) {
+    if (Result<void> viewed = ViewLive(arguments, *setup); !viewed) return viewed.error();
+    return 0;
+  }
   Result<std::unique_ptr<LogPlayer>> player = OpenLog(arguments);
   if (!player) return player.error();
   if (!setup->warning.empty()) {
@@ -141,12 +146,19 @@ Result<void> View(Arguments arguments) {
   const OffscreenRequest& request = arguments.request;
   if (!arguments.offscreen) {
     ShowLog({request.width, request.height}, *setup, arguments.options, request.speed, **player);
-    return {};
+    return 0;
   }
-  if (CheckDisplay()) return DrawOffscreen(request, *setup, arguments.options, **player);
-  Result<VirtualDisplay> display = VirtualDisplay::Start(request.width, request.height);
-  if (!display) return display.error();
-  return DrawOffscreen(request, *setup, arguments.options, **player);
+  const Interrupt interrupt("the frame in work");
+  std::optional<VirtualDisplay> display;
+  if (!CheckDisplay()) {
+    Result<VirtualDisplay> started = VirtualDisplay::Start(request.width, request.height);
+    if (!started) return started.error();
+    display.emplace(std::move(started).value());
+  }
+  Result<void> drawn =
+      DrawOffscreen(request, *setup, arguments.options, **player, interrupt.token());
+  if (!drawn) return drawn.error();
+  return interrupt.token().stop_requested() ? kInterrupted : 0;
 }
 
 void AddArguments(CLI::App* app, Arguments* arguments) {
@@ -177,11 +189,14 @@ void AddArguments(CLI::App* app, Arguments* arguments) {
                   "which of the object's directions the spheres show; default: 1 1 1")
       ->expected(3);
   app->add_option("--object", arguments->options.object, "instance whose orientation is shown");
-  app->add_option("--cloud-color", arguments->options.cloud_color, "depth, height or image")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, CloudColor>{{"depth", CloudColor::kDepth},
-                                            {"height", CloudColor::kHeight},
-                                            {"image", CloudColor::kImage}}));
+  app->add_option("--cloud-color",
+                  arguments->options.cloud_color,
+                  "depth, height or image; default: image, and height where there is none")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, CloudColor>{{"depth", CloudColor::kDepth},
+                                                                    {"height", CloudColor::kHeight},
+                                                                    {"image", CloudColor::kImage}}))
+      ->option_text("NAME");
   app->add_option("--voxel-mm", arguments->voxel_mm, "of the cloud: one point in each cube")
       ->check(CLI::Range(0.5, 1000.0))
       ->capture_default_str();
@@ -195,10 +210,11 @@ int main(int argc, char** argv) {
   vantage::Arguments arguments;
   CLI::App app("Shows a running set-up, or a log of one, in three dimensions", "vantage-viewer");
   vantage::AddArguments(&app, &arguments);
-  if (const std::optional<int> code = vantage::ParseCommandLine(app, argc, argv)) return *code;
-  if (const vantage::Result<void> viewed = vantage::View(arguments); !viewed) {
-    std::fprintf(stderr, "vantage-viewer: %s\n", viewed.error().message.c_str());
+  if (const std::optional<int> ended = vantage::ParseCommandLine(app, argc, argv)) return *ended;
+  const vantage::Result<int> code = vantage::View(arguments);
+  if (!code) {
+    std::fprintf(stderr, "vantage-viewer: %s\n", code.error().message.c_str());
     return 2;
   }
-  return 0;
+  return *code;
 }

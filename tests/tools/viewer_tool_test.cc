@@ -91,6 +91,7 @@ TEST_F(ViewerTool, RefusesToWriteWhereItCannot) {
   if (!IsInstalled("Xvfb")) GTEST_SKIP() << "Xvfb is not installed: apt-get install xvfb";
   ExpectRefused("run.lcm --offscreen -o absent/a.png", "absent/a.png");
   ExpectRefused("run.lcm --offscreen --video a.avi", "a.avi");
+  ExpectRefused("run.lcm --offscreen -o a.png --at 100", "after the log's end");
   if (!IsInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed: apt-get install ffmpeg";
   ExpectRefused("run.lcm --offscreen --video absent/a.mp4", "absent/a.mp4");
 }

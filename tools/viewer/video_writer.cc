@@ -75,6 +75,9 @@ bool IsInstalled(const std::string& program) {
                                 const std::string& words,
                                 const std::vector<std::string>& arguments) {
   setpgid(0, 0);  // Ctrl-C is the viewer's.
+  sigset_t none;  // What the viewer holds back is not held back from it.
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
   dup2(frames, STDIN_FILENO);
   const int to = open(words.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   dup2(to, STDERR_FILENO);

@@ -286,7 +286,7 @@ void SceneBuilder::SetViews() {
   const ObjectModel* model = ModelOf(chosen->model_id);
   const Eigen::Vector3d center =
       chosen->PoseOfPeak(0) * (model != nullptr ? model->center : Eigen::Vector3d::Zero());
-  const double reach = 0.75 * (model != nullptr ? model->diameter : kPlaceholder);
+  const double reach = 0.9 * (model != nullptr ? model->diameter : kPlaceholder);
   for (int axis = 0; axis < 3; ++axis) {
     scene_.closeup.push_back(center + reach * Eigen::Vector3d::Unit(axis));
     scene_.closeup.push_back(center - reach * Eigen::Vector3d::Unit(axis));

@@ -43,7 +43,7 @@ class Offscreen {
     return window_.Grab();
   }
 
-  Result<void> DrawVideo() {
+  Result<void> DrawVideo(const std::stop_token& stop) {
     Result<std::unique_ptr<VideoWriter>> video =
         VideoWriter::Create(request_.video, request_.width, request_.height, request_.fps);
     if (!video) return video.error();
@@ -57,6 +57,7 @@ class Offscreen {
                           kMostFrames)};
     }
     for (int64_t i = 0; i < static_cast<int64_t>(num_frames); ++i) {
+      if (stop.stop_requested()) return {};
       const int64_t utime =
           player_.start_utime() + static_cast<int64_t>(std::llround(step * static_cast<double>(i)));
       if (Result<void> written = (*video)->Write(FrameAt(utime)); !written) return written;
@@ -67,6 +68,11 @@ class Offscreen {
   Result<void> DrawPicture() {
     int64_t utime = player_.end_utime();
     if (request_.at) {
+      const double length = 1e-6 * static_cast<double>(player_.end_utime() - player_.start_utime());
+      if (*request_.at > length) {
+        return Error{ErrorCode::kInvalidArgument,
+                     Format("--at %g is after the log's end at %.2f s", *request_.at, length)};
+      }
       utime = player_.start_utime() + static_cast<int64_t>(std::llround(1e6 * *request_.at));
     }
     return WritePng(request_.picture, FrameAt(utime));
@@ -86,12 +92,13 @@ class Offscreen {
 Result<void> DrawOffscreen(const OffscreenRequest& request,
                            const ViewerSetup& setup,
                            const ViewerOptions& options,
-                           LogPlayer& player) {
+                           LogPlayer& player,
+                           const std::stop_token& stop) {
   Offscreen offscreen(request, setup, options, player);
   if (!request.picture.empty()) {
     if (Result<void> drawn = offscreen.DrawPicture(); !drawn) return drawn;
   }
-  return request.video.empty() ? Result<void>() : offscreen.DrawVideo();
+  return request.video.empty() ? Result<void>() : offscreen.DrawVideo(stop);
 }
 
 }  // namespace vantage

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "common/result.h"
@@ -21,10 +22,12 @@ struct OffscreenRequest {
   double speed = 1.0;        ///< seconds of the log that pass in one of the video
 };
 
-/// Draws it. A player that was surveyed. Errors: the system refuses, as VideoWriter.
+/// Draws it. A player that was surveyed. A stop leaves no video behind. Errors: `at` is after the
+/// log's end; the system refuses; as VideoWriter.
 Result<void> DrawOffscreen(const OffscreenRequest& request,
                            const ViewerSetup& setup,
                            const ViewerOptions& options,
-                           LogPlayer& player);
+                           LogPlayer& player,
+                           const std::stop_token& stop);
 
 }  // namespace vantage

@@ -25,6 +25,9 @@ constexpr int kNotInstalled = 127;  // Exit code of the child.
 [[noreturn]] void BecomeServer(int number, int width, int height) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // It shall not outlive the viewer.
   setsid();                          // Ctrl-C is the viewer's.
+  sigset_t none;                     // What the viewer holds back is not held back from it.
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
   const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
   dup2(nowhere, STDIN_FILENO);
   dup2(nowhere, STDOUT_FILENO);
