@@ -220,12 +220,14 @@ TEST(ShownText, NumbersFitTheirColumns) {
   }
   EXPECT_EQ(NumberText(std::nan("")), "-");
   EXPECT_EQ(LatencyText(0.0123), "12 ms");
+  EXPECT_EQ(LatencyText(0.000023), "23 us");
+  EXPECT_EQ(LatencyText(0.0), "0.0 ms");
   EXPECT_EQ(LatencyText(1.24), "1.2 s");
   EXPECT_EQ(ScaledText(4194304), "4.2 M");
   EXPECT_EQ(DurationText(3725), "1:02:05");
   EXPECT_EQ(DurationText(-1), "-");
   EXPECT_EQ(DurationText(std::nan("")), "-");
-  EXPECT_EQ(DurationText(3 * 86400 + 3660), "3 d 01:01");
+  EXPECT_EQ(DurationText(3 * 86400 + 3660), "3d01:01");
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ void CheckNetwork(const SystemView& system,
   const BusProbe probe = ProbeBus(options, expected);
   findings->push_back(CheckRoundTrip(probe));
   findings->push_back(CheckReceiveBuffer(system, probe));
-  findings->push_back(CheckLargestBuffer(system, options.receive_buffer_bytes));
+  findings->push_back(
+      CheckLargestBuffer(system, probe.error ? options.receive_buffer_bytes : probe.requested));
   findings->push_back(CheckDefaultBuffer(system));
   Append(CheckProcessNames(system, probe, expected), findings);
 }

@@ -89,6 +89,9 @@ std::vector<WantedCamera> ReadWantedCameras(const fs::path& config) {
   for (const std::string& name : root.Sub("camera").Keys()) {
     std::string driver = "openni2";
     root.Sub("camera").Sub(name).Read("driver", &driver);
+    std::string device;
+    root.Sub("camera").Sub(name).Read("device", &device);
+    if (!DeviceSelector::Parse(device)) continue;
     std::string process = driver + "-";
     for (const char c : name) {
       process += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -45,7 +45,7 @@ std::string DateText(int64_t utime) {
 std::string HashText(const MonitorModel& model, const process_status_t& status) {
   if (status.config_hash.empty()) return "-";
   const bool differs = status.config_hash != model.CommonConfigHash() && !IsWatcher(status.name);
-  return Shown(status.config_hash.substr(0, 8)) + (differs ? "*" : "");
+  return Shown(status.config_hash.substr(0, 6)) + (differs ? "*" : "");
 }
 
 ScreenLine ProcessLine(const MonitorModel& model, const SeenProcess& process, int64_t now) {
@@ -61,8 +61,8 @@ ScreenLine ProcessLine(const MonitorModel& model, const SeenProcess& process, in
   const bool is_small = status.receive_buffer_granted < status.receive_buffer_requested;
   const double age = SecondsSince(process.last_utime, now);
   ScreenLine line;
-  line.text = Padded(status.name, 13) +
-              Format(" %7d %9s %5s %5s %5s %4s %7s %s%s %9s ",
+  line.text = Padded(status.name, 11) +
+              Format(" %7d %8s %4s %5s %5s %4s %7s %6s%s %7s ",
                      status.pid,
                      DurationText(SecondsSince(status.start_utime, process.last_utime)).c_str(),
                      AgeText(age).c_str(),
@@ -90,18 +90,18 @@ ScreenLine Heading(std::string text) { return {std::move(text), Style::kHeading}
 ScreenLine TitleLine(const MonitorModel& model, const std::string& where, int64_t now) {
   double bandwidth = 0.0;
   for (const auto& [name, channel] : model.channels()) bandwidth += channel.arrivals.Bandwidth(now);
-  return Heading(Format("vantage-top  %s  %s  %s, %s, %s, %sB/s",
-                        Shown(where, 100).c_str(),
+  return Heading(Format("vantage-top  %s  %s, %s, %s, %sB/s  %s",
                         ClockText(now).c_str(),
                         Counted(model.processes().size(), "process", "processes").c_str(),
                         Counted(model.cameras().size(), "camera", "cameras").c_str(),
                         Counted(model.channels().size(), "channel", "channels").c_str(),
-                        ScaledText(bandwidth).c_str()));
+                        ScaledText(bandwidth).c_str(),
+                        Shown(where, 100).c_str()));
 }
 
 std::vector<ScreenLine> ProcessTable(const MonitorModel& model, int64_t now) {
-  std::vector<ScreenLine> lines = {Heading(
-      "PROCESS           PID        UP   AGE  LOST OVERW  ERR     P99 BUFFER    CONFIG STATE")};
+  std::vector<ScreenLine> lines = {
+      Heading("PROCESS         PID       UP  AGE  LOST OVERW  ERR     P99 BUFFER   CONFIG STATE")};
   for (const auto& [name, process] : model.processes()) {
     lines.push_back(ProcessLine(model, process, now));
   }

@@ -12,7 +12,7 @@ namespace vantage {
 /// The parts that screen and snapshot are made of. Lines are as long as they become; a table's
 /// first line is its heading.
 
-/// "vantage-top  URL  12:34:56  5 processes ...".
+/// "vantage-top  12:34:56  5 processes, ...  URL".
 ScreenLine TitleLine(const MonitorModel& model, const std::string& where, int64_t now);
 /// One line a process, in the order of their names.
 std::vector<ScreenLine> ProcessTable(const MonitorModel& model, int64_t now);

@@ -31,7 +31,7 @@ std::string DurationText(double seconds) {
   };
   if (whole >= 86400) {
     return Format(
-        "%jd d %02d:%02d", static_cast<intmax_t>(whole / 86400), part(3600, 24), part(60, 60));
+        "%jdd%02d:%02d", static_cast<intmax_t>(whole / 86400), part(3600, 24), part(60, 60));
   }
   if (whole >= 3600) return Format("%d:%02d:%02d", part(3600, 24), part(60, 60), part(1, 60));
   return Format("%d:%02d", part(60, 60), part(1, 60));
@@ -61,6 +61,7 @@ std::string LatencyText(double seconds) {
   const double size = std::abs(seconds);
   if (size >= 1e6) return Format("%.0e s", seconds);
   if (size >= 0.9995) return Format(size < 99.5 ? "%.1f s" : "%.0f s", seconds);
+  if (size > 0.0 && size < 0.0000995) return Format("%.0f us", 1e6 * seconds);
   return Format(size < 0.00995 ? "%.1f ms" : "%.0f ms", 1e3 * seconds);
 }
 
