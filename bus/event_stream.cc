@@ -58,10 +58,8 @@ std::optional<LogEvent> EventStream::Next() {
 
 // The next event that is wanted, as it stands.
 std::optional<LogEvent> EventStream::Read() {
-  while (std::optional<LogEvent> event = reader_->Next()) {
-    if (!counters_.first_utime) counters_.first_utime = event->utime;
-    counters_.last_utime = event->utime;
-    if (channels_.size() < kMostChannels) channels_.insert(event->channel);
+  while (const std::optional<LogEventView> event = reader_->NextView()) {
+    if (channels_.size() < kMostChannels) channels_.emplace(event->channel);
     if (options_.to_utime && event->utime > *options_.to_utime) {
       // One may be damaged, and later ones may still belong before it.
       const bool is_beyond = Earlier(event->utime, options_.window_us) > *options_.to_utime;
@@ -71,8 +69,10 @@ std::optional<LogEvent> EventStream::Read() {
     }
     num_beyond_ = 0;
     if (options_.from_utime && event->utime < *options_.from_utime) continue;
-    if (wanted_ && !wanted_->Matches(event->channel)) continue;
-    return event;
+    std::string channel(event->channel);
+    if (wanted_ && !wanted_->Matches(channel)) continue;
+    return LogEvent{
+        event->number, event->utime, std::move(channel), {event->data.begin(), event->data.end()}};
   }
   return {};
 }

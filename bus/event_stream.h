@@ -33,10 +33,8 @@ class EventStream {
     /// Times that the log went back by more than the window: a clock was set, or another recording
     /// begins. What follows is taken as it stands.
     int64_t num_late = 0;
-    double largest_step_back = 0.0;      ///< s
-    std::optional<int64_t> late_event;   ///< number of the first event that was late
-    std::optional<int64_t> first_utime;  ///< us, of all events met, also of those left out
-    std::optional<int64_t> last_utime;   ///< us
+    double largest_step_back = 0.0;     ///< s
+    std::optional<int64_t> late_event;  ///< number of the first event that was late
   };
 
   static constexpr size_t kMostChannels = 200;  ///< remembered
@@ -50,7 +48,7 @@ class EventStream {
   std::optional<LogEvent> Next();
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
-  /// Channels that were met, also those that are not wanted.
+  /// Channels that were met, some of them not wanted.
   [[nodiscard]] const std::set<std::string>& channels() const { return channels_; }
   [[nodiscard]] const EventLogReader& reader() const { return *reader_; }
 

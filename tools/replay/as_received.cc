@@ -132,6 +132,9 @@ std::vector<std::string> AsReceived::Warnings() const {
   std::vector<std::string> warnings;
   for (const auto& [channel, estimator] : estimators_) {
     const char* name = channel.c_str();
+    if (!counts_.contains(channel)) {
+      warnings.push_back(Format("%s: the log has none, so nothing of it is computed anew", name));
+    }
     if (estimator.num_absent > 0) {
       warnings.push_back(
           Format("%s: %jd messages are of images that the log lacks (the first at "

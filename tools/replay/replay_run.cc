@@ -83,15 +83,21 @@ Result<EventStream::Options> InputOf(const ReplayOptions& options) {
 
 /// Nothing of the log was wanted.
 Error NothingRead(const ReplayOptions& options, const EventStream& input) {
-  const EventStream::Counters& met = input.counters();
-  const int64_t start = met.first_utime.value_or(0);
+  if (input.channels().empty()) {
+    return {ErrorCode::kCorrupt, "log " + options.log + " has no event that is whole"};
+  }
+  Result<std::unique_ptr<EventLogReader>> reader = EventLogReader::Open(options.log);
+  if (!reader) return reader.error();
+  const EventLogReader::TimeSpan log =
+      (*reader)->FindTimeSpan().value_or(EventLogReader::TimeSpan());
   const double span =
-      1e-6 * (static_cast<double>(met.last_utime.value_or(0)) - static_cast<double>(start));
+      1e-6 * (static_cast<double>(log.last_utime) - static_cast<double>(log.first_utime));
   std::string wanted;
   if (!options.channels.empty()) wanted += " --channels " + options.channels;
   if (!options.from.empty()) wanted += " --from " + options.from;
   if (!options.to.empty()) wanted += " --to " + options.to;
-  std::string there = Format("it has %.1f s from the utime %jd on", span, intmax_t{start});
+  std::string there =
+      Format("it has %.1f s from the utime %jd on", span, intmax_t{log.first_utime});
   if (!options.channels.empty()) {
     const char* separator = ", of these channels: ";
     for (const std::string& name : input.channels()) {
