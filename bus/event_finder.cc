@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <tuple>
 
 #include "bus/message_check.h"
 #include "bus/message_schema.h"
@@ -196,7 +197,7 @@ bool EventFinder::IsOutrivaled(int64_t offset, const EventHeader& header) {
 // Goes from header to header as long as numbers count up, at most to `end` and not for long.
 // @return how far it came.
 int64_t EventFinder::FollowCount(int64_t begin, int64_t end) {
-  constexpr int kMost = 1000;
+  constexpr int kMost = 100;
   int64_t at = begin;
   for (int i = 0; i < kMost && at < end; ++i) {
     const std::optional<EventHeader> header = HeaderAt(at);
@@ -215,7 +216,8 @@ std::optional<EventHeader> EventFinder::MendLengths(int64_t offset,
                                                     const EventHeader& header,
                                                     Link link) {
   std::optional<EventHeader> best;
-  int best_score = 0;
+  // Whether numbers count on, how far from there, how likely the channel is.
+  std::tuple<bool, int64_t, int> best_score;
   lookahead_ -= 64 * kPeekCost;
   for (unsigned bit = 0; bit < 64 && lookahead_ > 0; ++bit) {
     EventHeader mended = header;
@@ -224,13 +226,15 @@ std::optional<EventHeader> EventFinder::MendLengths(int64_t offset,
     if (!mended.HasPlausibleLengths()) continue;
     const int64_t end = offset + mended.EventBytes();
     const Link mended_link = LinkAt(end, header.number);
-    if (mended_link == Link::kNone || (mended_link != Link::kCounts && link != Link::kNone)) {
-      continue;
-    }
+    const bool counts = mended_link == Link::kCounts;
+    if (mended_link == Link::kNone || (!counts && link != Link::kNone)) continue;
     if (mended_link == Link::kEnd && !EndsWell(offset, header, mended)) continue;
-    const int score = (mended_link == Link::kCounts ? 1000 : 0) + ChannelScore(offset, mended) + 1;
-    if (score > best_score) best = mended;
-    best_score = std::max(best_score, score);
+    const std::tuple score(
+        counts, counts ? FollowCount(end, window_.size()) : 0, ChannelScore(offset, mended));
+    if (!best || score > best_score) {
+      best = mended;
+      best_score = score;
+    }
   }
   return best;
 }
