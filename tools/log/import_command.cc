@@ -18,6 +18,10 @@ ImportCommand::ImportCommand(CLI::App* app)
   command_->add_option("--camera", parameters_.camera, "<NAME> of the channels")->required();
   command_->add_option("--format", format_, "auto, views or bop")
       ->check(CLI::IsMember({"auto", "views", "bop"}));
+  command_->add_option(
+      "--config,-c", config_, "TOML file of the set-up for which it is, to go into LOG_HEADER");
+  command_->add_option("--compression", compression_, "of depth, lossless: vdc, zlib or raw (vdc)")
+      ->check(CLI::IsMember({"vdc", "zlib", "raw"}));
   command_->add_option("--depth-scale",
                        depth_scale_,
                        "mm for a value of 1; otherwise 1 for views, what the files say for bop");
@@ -29,10 +33,18 @@ ImportCommand::ImportCommand(CLI::App* app)
 }
 
 Result<int> ImportCommand::Run() const {
-  if (Result<void> fits = parameters_.Validate(); !fits) return fits.error();
+  LogImportParameters parameters = parameters_;
+  if (compression_ != "vdc") {
+    parameters.compression =
+        compression_ == "zlib" ? DepthCompression::kZlib : DepthCompression::kNone;
+  }
+  if (Result<void> fits = parameters.Validate(); !fits) return fits.error();
+  Result<LogSetup> setup = ReadLogSetup(config_);
+  if (!setup) return setup.error();
+  parameters.setup = std::move(setup).value();
   const Result<std::vector<RecordedView>> views = ListViews();
   if (!views) return views.error();
-  const Result<LogImportSummary> summary = ImportViews(*views, parameters_, log_);
+  const Result<LogImportSummary> summary = ImportViews(*views, parameters, log_);
   if (!summary) return summary.error();
   std::printf("wrote %s: %jd views of %d x %d px, %jd events\n",
               log_.c_str(),

@@ -26,6 +26,8 @@ class ImportCommand {
   std::string folder_;
   std::string log_;
   std::string format_ = "auto";
+  std::string compression_ = "vdc";
+  std::string config_;
   std::optional<double> depth_scale_;
   std::optional<int> scene_;
   LogImportParameters parameters_;

@@ -6,8 +6,6 @@
 
 #include "bus/conversions.h"
 #include "bus/event_log.h"
-#include "bus/image_conversion.h"
-#include "bus/log_bus.h"
 #include "bus/message_check.h"
 #include "common/format.h"
 #include "common/time_range.h"
@@ -22,11 +20,7 @@ constexpr int kPosesBefore = 40;       // and as many after
 constexpr const char* kHeaderChannel = "LOG_HEADER";
 
 Result<void> WriteHeader(const LogImportParameters& parameters, EventLogWriter& writer) {
-  log_header_t header{};
-  header.utime = parameters.start_utime;
-  header.version = VANTAGE_VERSION;
-  header.seed = 0;
-  FillSchemas(&header);
+  const log_header_t header = MakeLogHeader(parameters.setup, parameters.start_utime);
   return writer.Write(header.utime, kHeaderChannel, Encode(header));
 }
 
@@ -44,7 +38,10 @@ std::vector<uint16_t> ToMillimetres(const std::vector<uint16_t>& values, double 
 class ViewWriter {
  public:
   ViewWriter(const LogImportParameters& parameters, EventLogWriter& writer)
-      : channel_("CAMERA_" + parameters.camera), name_(parameters.camera), writer_(writer) {}
+      : channel_("CAMERA_" + parameters.camera),
+        name_(parameters.camera),
+        compression_(parameters.compression),
+        writer_(writer) {}
 
   Result<void> Write(const RecordedView& view, const Gray16Image& depth, int64_t utime) {
     CameraModel camera = view.camera;
@@ -76,12 +73,13 @@ class ViewWriter {
                                            utime,
                                            seq_,
                                            "",
-                                           DepthCompression::kZlib);
+                                           compression_);
     return writer_.Write(utime, channel_, Encode(images));
   }
 
   std::string channel_;
   std::string name_;
+  DepthCompression compression_;
   EventLogWriter& writer_;
   int64_t seq_ = 0;
 };
