@@ -9,7 +9,10 @@ namespace {
 
 using nlohmann::ordered_json;
 
-double SecondsSince(int64_t utime, int64_t now) { return 1e-6 * static_cast<double>(now - utime); }
+// Both may come from outside: a difference of integers could overflow.
+double SecondsSince(int64_t utime, int64_t now) {
+  return 1e-6 * (static_cast<double>(now) - static_cast<double>(utime));
+}
 
 ordered_json ChannelJson(const channel_status_t& channel, const SeenProcess& process) {
   const auto found = process.losses.find(channel.channel);

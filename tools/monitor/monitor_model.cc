@@ -13,7 +13,8 @@
 namespace vantage {
 namespace {
 
-constexpr size_t kLongestName = 200;  // Characters.
+constexpr size_t kLongestName = 200;                     // Characters.
+constexpr int64_t kLatestUtime = 7'258'118'400'000'000;  // us: the year 2200.
 
 void Shorten(std::string* text) {
   if (text->size() > kLongestName) text->resize(kLongestName);
@@ -73,6 +74,8 @@ void AddLosses(const process_status_t& before, const process_status_t& now, Seen
 void MonitorModel::Add(const std::string& channel,
                        int64_t utime,
                        std::span<const std::byte> bytes) {
+  // A damaged log may say any time: differences must not overflow.
+  utime = std::clamp<int64_t>(utime, 0, kLatestUtime);
   if (first_utime_ == 0) first_utime_ = utime;
   last_utime_ = std::max(last_utime_, utime);
   SeenChannel* seen = Find(channel.substr(0, kLongestName), kMaxChannels, &channels_);

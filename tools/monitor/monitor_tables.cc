@@ -14,7 +14,10 @@ namespace {
 
 using Style = ScreenLine::Style;
 
-double SecondsSince(int64_t utime, int64_t now) { return 1e-6 * static_cast<double>(now - utime); }
+// Both may come from outside: a difference of integers could overflow.
+double SecondsSince(int64_t utime, int64_t now) {
+  return 1e-6 * (static_cast<double>(now) - static_cast<double>(utime));
+}
 
 // Of a count that comes from outside: short enough for its column.
 std::string CountText(int64_t count) {
