@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/format.h"
 #include "nodes/command_line.h"
 #include "nodes/config_override.h"
 #include "tools/replay/replay_arguments.h"
@@ -45,6 +46,17 @@ Result<std::vector<ConfigOverride>> ParseSettings(const std::vector<std::string>
     overrides.push_back(*parsed);
   }
   return overrides;
+}
+
+/// An output in the place of a log that is read would be the end of it.
+Result<void> CheckOutput(const Arguments& arguments) {
+  for (const std::string& log : {arguments.replay.log, arguments.compare.other}) {
+    std::error_code absent;
+    if (!std::filesystem::equivalent(log, arguments.replay.output, absent)) continue;
+    return Error{ErrorCode::kInvalidArgument,
+                 Format("--output %s is a log that is read, expected another file", log.c_str())};
+  }
+  return {};
 }
 
 void PrintConfig(const ReplayConfig& config) {
@@ -91,6 +103,7 @@ int Run(const Arguments& arguments) {
         arguments.sweep, {.replay = options, .config = arguments.config, .overrides = *overrides});
     return swept ? 0 : Fail(swept.error());
   }
+  if (Result<void> checked = CheckOutput(arguments); !checked) return Fail(checked.error());
   const Result<ReplayConfig> config = ResolveReplayConfig(options, arguments.config, *overrides);
   if (!config) return Fail(config.error());
   options.open_config = [&config] { return config->Open(); };

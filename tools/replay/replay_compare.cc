@@ -1,5 +1,6 @@
 #include "tools/replay/replay_compare.h"
 
+#include <cctype>
 #include <cstdlib>
 #include <system_error>
 #include <utility>
@@ -14,9 +15,25 @@ namespace fs = std::filesystem;
 
 // What a rerun publishes and a live run publishes too. ARM_STATUS and PROCESS_STATUS are of
 // processes that are not rerun.
-constexpr const char* kChannels = "DETECTIONS_.*|OBJECTS|ORIENTATION_HISTOGRAM|NEXT_VIEW";
+constexpr const char* kFusionChannels = "|OBJECTS|ORIENTATION_HISTOGRAM|NEXT_VIEW";
 constexpr const char* kExtrinsicsChannels =
     "|CAMERA_.*_TO_WORLD|NEXT_HAND_POSE|HANDEYE_RESULT|HANDEYE_CHECK";
+
+// A regular expression for them.
+std::string ComparedChannels(const ReplayOptions& options) {
+  std::string channels = "DETECTIONS_.*";
+  if (options.as_received) {  // Those of other estimators are taken as they were recorded.
+    std::string names;
+    for (const std::string& name : options.estimators) {
+      names += names.empty() ? "" : "|";
+      for (const char c : name) names += static_cast<char>(std::toupper(c));
+    }
+    channels = "DETECTIONS_(" + names + ")";
+  }
+  channels += kFusionChannels;
+  if (options.with_extrinsics) channels += kExtrinsicsChannels;
+  return channels;
+}
 
 }  // namespace
 
@@ -65,8 +82,7 @@ RecomputedLog::~RecomputedLog() {
 Result<LogComparison> CompareRerun(const ReplayOptions& options,
                                    const ReplayCompareOptions& compare,
                                    const fs::path& recomputed) {
-  std::string channels = kChannels;
-  if (options.with_extrinsics) channels += kExtrinsicsChannels;
+  const std::string channels = ComparedChannels(options);
   const std::string& other = compare.other.empty() ? options.log : compare.other;
   Result<LogComparison> comparison = CompareLogs(other, recomputed, channels, compare.tolerance);
   if (!comparison) return comparison.error();

@@ -76,21 +76,18 @@ std::string Panel(const char* title,
   std::string script = Format("set ylabel '%s'\nplot ", title);
   for (size_t i = 0; i < lines.size(); ++i) {
     const Line& line = lines[i];
-    script += Format("%s$%s using 1:%d with linespoints lt 1 dt %d pt 7 ps 0.6 lw 2 lc rgb '%s' ",
+    script += Format("%s$%s using 1:%d with lines lt 1 dt %d lw 2 lc rgb '%s' ",
                      i == 0 ? "" : ", ",
                      line.name.c_str(),
                      column,
                      line.dash,
                      line.color.c_str());
     script += lines.size() > kMostNamedLines ? "notitle" : "title " + Quoted(line.title);
-    if (with_intervals) {
-      script += Format(", $%s using 1:%d:%d:%d with yerrorbars pt -1 lw 1.2 lc rgb '%s' notitle",
-                       line.name.c_str(),
-                       column,
-                       column + 1,
-                       column + 2,
-                       line.color.c_str());
-    }
+    script += Format(", $%s using 1:%d", line.name.c_str(), column);
+    if (with_intervals) script += Format(":%d:%d", column + 1, column + 2);
+    script += Format(" with %s lt 1 pt 7 ps 0.6 lw 1.2 lc rgb '%s' notitle",
+                     with_intervals ? "yerrorbars" : "points",
+                     line.color.c_str());
   }
   return script + "\n";
 }
