@@ -62,19 +62,20 @@ Result<int> CheckCommand::Run() const {
   check.Finish();
   const LogDamage& damage = (*reader)->damage();
   PrintPlaces(damage, check);
-  if (check.num_jumps() > 0) {
+  // Each stretch that was lost is one such place.
+  if (check.num_jumps() > damage.num_places) {
     std::printf(
         "note: event numbers go on elsewhere %jd times, as in logs that were cut or joined\n",
         intmax_t{check.num_jumps()});
   }
   const bool is_sound = !damage.any() && check.num_doubts() == 0;
-  std::printf("%s: %jd events, %s, %s; %s\n",
+  std::printf("%s: %jd events, %s, %s%s\n",
               log_.c_str(),
               intmax_t{check.num_events()},
               damage.any() ? damage.Describe().c_str() : "no damage",
               check.num_doubts() > 0 ? Format("%jd doubtful", intmax_t{check.num_doubts()}).c_str()
                                      : "none doubtful",
-              is_sound ? "sound" : "`vantage-log repair` writes what can be read");
+              damage.any() ? "; `vantage-log repair` writes what can be read" : "");
   return is_sound ? 0 : kDamaged;
 }
 

@@ -67,7 +67,7 @@ void LogCheck::Add(const LogEventView& event) {
                          .utime = event.utime,
                          .channel = std::string(event.channel)};
   ++num_events_;
-  DoubtCount("event number", numbers_.Add(event.number, place));
+  DoubtNumber(numbers_.Add(event.number, place));
   DoubtTime(times_.Add(event.utime, place));
   if (!IsPlausibleUtime(event.utime)) AddDoubt(place, "its utime is outside of 1970 to 2200");
   if (Printable(place.channel) != place.channel) {
@@ -78,17 +78,17 @@ void LogCheck::Add(const LogEventView& event) {
 }
 
 void LogCheck::Finish() {
-  DoubtCount("event number", numbers_.Finish());
+  DoubtNumber(numbers_.Finish());
   DoubtTime(times_.Finish());
   for (const auto& [name, channel] : channels_) JudgeChannel(name, channel);
   std::ranges::stable_sort(doubts_, {}, [](const Doubt& doubt) { return doubt.place.offset; });
 }
 
-void LogCheck::DoubtCount(const char* what, const std::optional<OddValue>& odd) {
+void LogCheck::DoubtNumber(const std::optional<OddValue>& odd) {
   if (!odd) return;
-  AddDoubt(
-      odd->place,
-      Format("its %s is %jd, expected %jd", what, intmax_t{odd->value}, intmax_t{odd->expected}));
+  EventPlace place = odd->place;
+  place.number = odd->expected;
+  AddDoubt(place, Format("its event number is %jd", intmax_t{odd->value}));
 }
 
 void LogCheck::DoubtTime(const std::optional<OddValue>& odd) {
@@ -113,7 +113,9 @@ void LogCheck::CheckData(const EventPlace& place, std::span<const std::byte> dat
   const std::optional<MessageSeq> seq = FindMessageSeq(place.channel, data);
   if (!seq || (counts_.size() >= kMaxChannels && !counts_.contains(seq->sender))) return;
   const std::optional<OddValue> odd = counts_[seq->sender].Add(seq->seq, place);
-  if (odd && IsOneBitOff(odd->value, odd->expected)) DoubtCount("seq", odd);
+  if (!odd || !IsOneBitOff(odd->value, odd->expected)) return;
+  AddDoubt(odd->place,
+           Format("its seq is %jd, expected %jd", intmax_t{odd->value}, intmax_t{odd->expected}));
 }
 
 void LogCheck::CountTypes(const EventPlace& place, std::span<const std::byte> data) {

@@ -50,7 +50,7 @@ class LogCheck {
   };
 
   void DoubtTime(const std::optional<OddValue>& odd);
-  void DoubtCount(const char* what, const std::optional<OddValue>& odd);
+  void DoubtNumber(const std::optional<OddValue>& odd);
   void CheckData(const EventPlace& place, std::span<const std::byte> data);
   void CountTypes(const EventPlace& place, std::span<const std::byte> data);
   void JudgeChannel(const std::string& name, const Channel& channel);
