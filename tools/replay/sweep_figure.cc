@@ -72,6 +72,7 @@ struct Line {
 std::string Panel(const char* title,
                   const std::vector<Line>& lines,
                   int column,
+                  bool with_names,
                   bool with_intervals) {
   std::string script = Format("set ylabel '%s'\nplot ", title);
   for (size_t i = 0; i < lines.size(); ++i) {
@@ -82,7 +83,8 @@ std::string Panel(const char* title,
                      column,
                      line.dash,
                      line.color.c_str());
-    script += lines.size() > kMostNamedLines ? "notitle" : "title " + Quoted(line.title);
+    script +=
+        !with_names || lines.size() > kMostNamedLines ? "notitle" : "title " + Quoted(line.title);
     script += Format(", $%s using 1:%d", line.name.c_str(), column);
     if (with_intervals) script += Format(":%d:%d", column + 1, column + 2);
     script += Format(" with %s lt 1 pt 7 ps 0.6 lw 1.2 lc rgb '%s' notitle",
@@ -103,7 +105,7 @@ Result<std::string> SweepFigure(const SweepGrid& grid, const std::vector<SweepCe
       "'#ffffff'\n"
       "set grid ytics lc rgb '#dddddd'\nset border 3 lc rgb '#888888'\n"
       "set tics nomirror textcolor rgb '#555555'\nset yrange [0:*]\nset format y '%g'\n"
-      "set key outside center top horizontal\nset multiplot layout 1,2\n" +
+      "set multiplot layout 1,2\n" +
       axis.script;
   std::vector<Line> lines;
   for (size_t line = 0; line < num_lines; ++line) {
@@ -137,9 +139,13 @@ Result<std::string> SweepFigure(const SweepGrid& grid, const std::vector<SweepCe
                        refined ? 2 : 1});
     }
   }
+  // One legend above both panels, which begin at the same height.
+  const size_t num_names = lines.size() > kMostNamedLines ? 0 : lines.size();
+  script += Format("set key at screen 0.5, 0.99 center top\nset tmargin at screen %.3f\n",
+                   0.95 - 0.048 * static_cast<double>(num_names));
   const bool with_intervals = !cells.empty() && cells.front().logs.size() > 1;
-  script += Panel("median orientation error (degrees)", lines, 2, with_intervals);
-  script += Panel("median position error (mm)", lines, 5, with_intervals);
+  script += Panel("median orientation error (degrees)", lines, 2, true, with_intervals);
+  script += Panel("median position error (mm)", lines, 5, false, with_intervals);
   return RunGnuplot(script + "unset multiplot\n");
 }
 
