@@ -349,6 +349,11 @@ TEST(WindowPage, TextsLieInTheWindowWhateverTheState) {
       EXPECT_GE(text.y, 0.0) << text.text;
       EXPECT_LE(text.y, height) << text.text;
       EXPECT_LE(text.x, width) << text.text;
+      if (text.side == TextSide::kLeft && !text.text.empty()) {
+        const bool is_left = text.x < LayOut(width, height).scene.right();
+        const int end = is_left && text.y > 30.0 ? LayOut(width, height).scene.right() : width;
+        EXPECT_LE(text.x + TextWidth(text), end) << text.text;
+      }
       EXPECT_EQ(text.text.find('\x1b'), std::string::npos);
     }
   }

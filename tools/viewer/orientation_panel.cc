@@ -172,6 +172,7 @@ class OrientationPanel {
                  AngleColor(angle));
       }
     }
+    if (inner < 20.0) return;  // No room for words.
     for (const auto& [angle, text] :
          {std::pair{0.0, "0"}, {90.0, "90"}, {180.0, "180"}, {-90.0, "-90"}}) {
       const Eigen::Vector2d at = on(angle * kDegree, 0.62 * inner);

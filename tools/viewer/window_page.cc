@@ -115,6 +115,17 @@ void DrawLegend(const ViewerState& state,
   }
 }
 
+// Texts from `first` on end within the box.
+void CutTexts(size_t first, const PixelBox& box, Page* page) {
+  for (size_t i = first; i < page->texts.size(); ++i) {
+    PageText& text = page->texts[i];
+    if (text.side != TextSide::kLeft || text.x + TextWidth(text) <= box.right()) continue;
+    const double letter = TextWidth(text) / static_cast<double>(text.text.size());
+    const double room = (box.right() - text.x) / letter;
+    text.text = room < 5.0 ? "" : PrintableText(text.text, static_cast<size_t>(room));
+  }
+}
+
 }  // namespace
 
 WindowLayout LayOut(int width, int height) {
@@ -151,8 +162,10 @@ Page PageDrawer::Draw(const ViewerState& state,
       {closeup.x - 1, closeup.y - 1, closeup.width + 2, closeup.height + 2}, kFaintInk, page.image);
   FillBox({0, layout.steps.y, layout.steps.width, 1}, kRule, page.image);
   DrawStatus(state, StatusText(state, time, playback), layout.status, &page);
+  const size_t first = page.texts.size();
   DrawLegend(state, scene, options, layout.legend, &page);
   DrawStepsPanel(state, options, layout.steps, &page);
+  CutTexts(first, layout.legend, &page);
 
   const PixelBox& box = layout.orientation;
   const ShownObject* object = ChosenObject(state, options);
@@ -167,7 +180,9 @@ Page PageDrawer::Draw(const ViewerState& state,
   if (!(source == source_)) {
     orientation_.image = FilledImage(box.width, box.height, kPaper);
     orientation_.texts.clear();
-    DrawOrientationPanel(state, options, {0, 0, box.width, box.height}, &orientation_);
+    const PixelBox whole{0, 0, box.width, box.height};
+    DrawOrientationPanel(state, options, whole, &orientation_);
+    CutTexts(0, whole, &orientation_);
     source_ = source;
   }
   Paste(orientation_.image, box.x, box.y, page.image);
