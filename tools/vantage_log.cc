@@ -1,6 +1,7 @@
 // Makes, looks into, mends and takes apart LCM event logs.
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <optional>
 
@@ -41,6 +42,7 @@ int Run(int argc, char** argv) {
   const ImportCommand import(&app);
   const ExportCommand export_files(&app);
   if (const std::optional<int> code = ParseCommandLine(app, argc, argv)) return *code;
+  std::signal(SIGXFSZ, SIG_IGN);  // A limit of a file's size shows as an error of write().
   const Result<int> done =
       RunChosen(info, record, check, repair, compare, cut, filter, merge, import, export_files);
   if (!done) {

@@ -10,6 +10,7 @@
 #include "tools/log/log_exporter.h"
 #include "tools/log/mcap_writer.h"
 #include "tools/log/message_json.h"
+#include "tools/log/shown_text.h"
 #include "vantage/images_t.hpp"
 #include "vantage/rigid_transform_t.hpp"
 
@@ -68,8 +69,7 @@ Result<void> McapExporter::Add(const LogEventView& event, bool wanted) {
   if (schema == nullptr) {
     const std::string_view bytes(reinterpret_cast<const char*>(event.data.data()),
                                  event.data.size());
-    const std::string topic =
-        Format("/%.*s", static_cast<int>(event.channel.size()), event.channel.data());
+    const std::string topic = Format("/%s", Printable(event.channel).c_str());
     return Put(topic, "", kLcm, event, Nanoseconds(event.utime), bytes);
   }
   Result<MessageFields> fields = MessageFields::Open(event.data);
@@ -103,8 +103,7 @@ Result<void> McapExporter::AddOurs(const LogEventView& event,
     return {};
   }
   const std::string text = JsonText(JsonFromMessage(std::move(fields)));
-  const std::string topic =
-      Format("/%.*s", static_cast<int>(event.channel.size()), event.channel.data());
+  const std::string topic = Format("/%s", Printable(event.channel).c_str());
   return Put(topic, "vantage." + std::string(schema.name), kJson, event, publish_time, text);
 }
 

@@ -14,6 +14,7 @@
 #include "common/time_range.h"
 #include "tools/log/color_picture.h"
 #include "tools/log/message_json.h"
+#include "tools/log/shown_text.h"
 #include "vantage/next_view_t.hpp"
 #include "vantage/object_estimates_v3_t.hpp"
 
@@ -247,7 +248,7 @@ bool TryType(const LogEventView& event, Result<Messages>* result, const Make& ma
 Result<Messages> FoxgloveMessages(const LogEventView& event) {
   Result<Messages> made = Messages{};
   if (event.data.size() < sizeof(int64_t)) return made;
-  const std::string channel(event.channel);
+  const std::string channel = Printable(event.channel);  // JSON and topics are UTF-8.
   const bool is_hand = channel == "NEXT_HAND_POSE";
   static_cast<void>(
       TryType<images_t>(event, &made, [&](const images_t& m) { return FromImages(channel, m); }) ||

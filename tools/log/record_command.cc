@@ -1,6 +1,5 @@
 #include "tools/log/record_command.h"
 
-#include <csignal>
 #include <cstdio>
 
 #include "bus/process_name_lock.h"
@@ -72,7 +71,6 @@ Result<int> RecordCommand::Run() const {
       LockName(bus_options->url, &bus_options->name);
   if (!lock) return lock.error();
   const Interrupt interrupt("what has arrived is written");
-  std::signal(SIGXFSZ, SIG_IGN);  // A limit of the file's size shows as an error of write().
   Result<std::unique_ptr<LiveBus>> bus = LiveBus::Create(*bus_options);
   if (!bus) return bus.error();
   Recorder recorder(bus->get());
