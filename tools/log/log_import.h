@@ -19,7 +19,7 @@ struct LogImportParameters {
   /// us since the epoch. Fixed, so that the same folder gives the same log.
   int64_t start_utime = 1'700'000'000'000'000;
   DepthCompression compression = DepthCompression::kVdc;
-  LogSetup setup;  ///< for LOG_HEADER
+  LogSetup setup{};  ///< for LOG_HEADER
 
   /// Name as above, interval in [0.9, 3600], start in the years 1970 to 2200.
   Result<void> Validate() const;
