@@ -8,8 +8,8 @@
 #include "common/format.h"
 #include "tools/log/event_type.h"
 #include "tools/log/log_progress.h"
-#include "tools/replay/log_place.h"
 #include "tools/support/interrupt.h"
+#include "tools/support/log_place.h"
 
 namespace vantage {
 namespace {

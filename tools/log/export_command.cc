@@ -9,8 +9,8 @@
 #include "tools/log/channel_choice.h"
 #include "tools/log/log_output.h"
 #include "tools/log/log_progress.h"
-#include "tools/replay/log_place.h"
 #include "tools/support/interrupt.h"
+#include "tools/support/log_place.h"
 
 namespace vantage {
 

@@ -11,8 +11,8 @@
 #include "common/format.h"
 #include "common/time_range.h"
 #include "tools/log/event_type.h"
-#include "tools/log/message_seq.h"
 #include "tools/log/shown_text.h"
+#include "tools/support/message_seq.h"
 
 namespace vantage {
 namespace {

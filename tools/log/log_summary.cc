@@ -6,8 +6,8 @@
 #include "bus/message_check.h"
 #include "common/format.h"
 #include "common/time_range.h"
-#include "tools/log/message_seq.h"
 #include "tools/support/hash.h"
+#include "tools/support/message_seq.h"
 #include "vantage/log_header_t.hpp"
 
 namespace vantage {

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "common/format.h"
-#include "tools/log/message_seq.h"
+#include "tools/support/message_seq.h"
 
 namespace vantage {
 

@@ -8,7 +8,7 @@
 #include "bus/message_schema.h"
 #include "bus/wire.h"
 #include "common/format.h"
-#include "tools/log/message_seq.h"
+#include "tools/support/message_seq.h"
 
 namespace vantage {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "common/format.h"
 #include "tools/replay/estimate_ahead.h"
-#include "tools/replay/log_place.h"
 #include "tools/replay/replay_nodes.h"
+#include "tools/support/log_place.h"
 
 namespace vantage {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/log/message_seq.h"
+#include "tools/support/message_seq.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "tools/replay/log_place.h"
+#include "tools/support/log_place.h"
 
 #include <algorithm>
 #include <charconv>
