@@ -61,7 +61,8 @@ std::optional<EventFinder::Found> EventFinder::EventAt(int64_t offset,
   // Either the numbers here do not count, or the lengths lead to a wrong place.
   const bool is_sound = whole && IsSoundMessage(offset, *header) == true;
   if (!is_sound && (link == Link::kNone || in_sequence)) {
-    if (const std::optional<EventHeader> mended = MendLengths(offset, *header, link)) {
+    const std::optional<EventHeader> mended = MendLengths(offset, *header, link);
+    if (mended && !(link == Link::kHeader && GoesOnBehind(end, offset + mended->EventBytes()))) {
       return Found{.header = *mended,
                    .mended = "damaged length",
                    .next_number = next_number(offset + mended->EventBytes())};
@@ -192,6 +193,17 @@ bool EventFinder::IsOutrivaled(int64_t offset, const EventHeader& header) {
   const int64_t size = window_.size();
   return FollowCount(offset + mended->EventBytes(), size) >
          std::max(FollowCount(offset + header.EventBytes(), size), offset + mended->EventBytes());
+}
+
+// Whether it is the number of the header at `end` that is wrong: the log goes on behind it, and
+// longer than from the place where the next number is.
+bool EventFinder::GoesOnBehind(int64_t end, int64_t counted) {
+  const int64_t reach = FollowCount(counted, end);
+  // Past the end, or further than it was followed.
+  if (reach >= end || FollowCount(reach, end) > reach) return false;
+  const std::optional<EventHeader> next = HeaderAt(end);
+  return next && FollowCount(end + next->EventBytes(), window_.size()) >
+                     FollowCount(counted, window_.size());
 }
 
 // Goes from header to header as long as numbers count up, at most to `end` and not for long.

@@ -54,6 +54,7 @@ class EventFinder {
   Link LinkAt(int64_t end, int64_t number);
   static bool HasRival(std::span<const std::byte> around, const EventHeader& header);
   bool IsOutrivaled(int64_t offset, const EventHeader& header);
+  bool GoesOnBehind(int64_t end, int64_t counted);
   int64_t FollowCount(int64_t begin, int64_t end);
   std::optional<EventHeader> MendLengths(int64_t offset, const EventHeader& header, Link link);
   bool EndsWell(int64_t offset, const EventHeader& read, const EventHeader& mended);
