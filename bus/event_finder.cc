@@ -196,14 +196,16 @@ bool EventFinder::IsOutrivaled(int64_t offset, const EventHeader& header) {
 }
 
 // Whether it is the number of the header at `end` that is wrong: the log goes on behind it, and
-// longer than from the place where the next number is.
+// what counts up from the other place does not come past it.
 bool EventFinder::GoesOnBehind(int64_t end, int64_t counted) {
-  const int64_t reach = FollowCount(counted, end);
-  // Past the end, or further than it was followed.
-  if (reach >= end || FollowCount(reach, end) > reach) return false;
+  const int64_t size = window_.size();
+  const int64_t reach = FollowCount(counted, size);
+  const bool was_followed_to_its_end = FollowCount(reach, size) == reach;
+  if (reach > end || !was_followed_to_its_end) return false;
   const std::optional<EventHeader> next = HeaderAt(end);
-  return next && FollowCount(end + next->EventBytes(), window_.size()) >
-                     FollowCount(counted, window_.size());
+  if (!next) return false;
+  const int64_t behind = end + next->EventBytes();
+  return FollowCount(behind, size) > behind;
 }
 
 // Goes from header to header as long as numbers count up, at most to `end` and not for long.
