@@ -10,19 +10,6 @@
 namespace vantage {
 namespace {
 
-/// Bytes a pixel; 0 for a format that is not read.
-size_t BytesPerPixel(int32_t pixelformat) {
-  switch (pixelformat) {
-    case image_t::PIXEL_FORMAT_GRAY:
-      return 1;
-    case image_t::PIXEL_FORMAT_RGB:
-    case image_t::PIXEL_FORMAT_BGR:
-      return 3;
-    default:
-      return 0;
-  }
-}
-
 /// Luma of ITU-R BT.601 in 16 bits, its weights summing to 2^16.
 uint8_t Luma(unsigned red, unsigned green, unsigned blue) {
   return static_cast<uint8_t>((19595U * red + 38470U * green + 7471U * blue + 32768U) >> 16U);

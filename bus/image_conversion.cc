@@ -197,6 +197,18 @@ images_t DepthToMessage(int width,
   return message;
 }
 
+size_t BytesPerPixel(int32_t pixelformat) {
+  switch (pixelformat) {
+    case image_t::PIXEL_FORMAT_GRAY:
+      return 1;
+    case image_t::PIXEL_FORMAT_RGB:
+    case image_t::PIXEL_FORMAT_BGR:
+      return 3;
+    default:
+      return 0;
+  }
+}
+
 void AppendIdentity(int64_t seq, const std::string& serial, image_t* image) {
   std::vector<uint8_t> seq_bytes(8);
   for (size_t i = 0; i < 8; ++i) {

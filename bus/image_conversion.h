@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -41,6 +42,9 @@ images_t DepthToMessage(int width,
                         int64_t seq,
                         const std::string& serial,
                         DepthCompression compression);
+
+/// Bytes of a pixel of GRAY, RGB or BGR; 0 for other pixel formats.
+size_t BytesPerPixel(int32_t pixelformat);
 
 /// Adds the metadata "seq" and "serial" to an image.
 void AppendIdentity(int64_t seq, const std::string& serial, image_t* image);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "common/format.h"
+#include "nodes/toml_position.h"
 
 namespace vantage {
 namespace {
@@ -139,20 +140,6 @@ void Set(toml::table& root, const ConfigOverride& setting) {
     if (parts[i].index) node = node->as_array()->get(*parts[i].index);
     table = node->as_table();
   }
-}
-
-// The byte at a line and column, both from 1; TOML counts columns in code points.
-size_t OffsetOf(const std::string& text, toml::source_position position) {
-  size_t at = 0;
-  for (toml::source_index line = 1; line < position.line && at < text.size(); ++line) {
-    at = std::min(text.find('\n', at), text.size() - 1) + 1;
-  }
-  for (toml::source_index column = 1; column < position.column && at < text.size(); ++column) {
-    do {
-      ++at;
-    } while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U);
-  }
-  return at;
 }
 
 // The text with one more value in the table where it belongs, or in a new one at the end. Right for

@@ -20,6 +20,7 @@
 #include "common/format.h"
 #include "common/statistics.h"
 #include "nodes/command_line.h"
+#include "tests/bench/bench_rows.h"
 #include "vantage/images_t.hpp"
 #include "vantage/process_status_t.hpp"
 
@@ -102,11 +103,6 @@ Result<void> Listener::Subscribe(LiveBus& bus, const std::string& camera) {
       });
 }
 
-nlohmann::json Row(const std::string& name, double value, const std::string& unit) {
-  return {
-      {"run_name", name}, {"aggregate_name", "median"}, {"cpu_time", value}, {"time_unit", unit}};
-}
-
 Result<void> Run(const Arguments& arguments) {
   LiveBus::Options options;
   options.name = "camera-process-bench";
@@ -149,26 +145,21 @@ Result<void> Run(const Arguments& arguments) {
   }
   const std::string& name = arguments.name;
   const double images = static_cast<double>(listener.num_images());
-  nlohmann::json processor = Row(name + "/processor", 100.0 * (*after - *before) / seconds, "%");
+  nlohmann::json processor =
+      BenchRow(name + "/processor", 100.0 * (*after - *before) / seconds, "%");
   processor["frames_per_second"] = images / seconds;
   processor["kilobytes"] = 1e-3 * listener.bytes_per_image();
   nlohmann::json published =
-      Row(name + "/capture_to_publish", 1e3 * listener.published()->latency_p50, "ms");
+      BenchRow(name + "/capture_to_publish", 1e3 * listener.published()->latency_p50, "ms");
   published["p99_ms"] = 1e3 * listener.published()->latency_p99;
   nlohmann::json arrived =
-      Row(name + "/capture_to_arrival", 1e3 * Median(listener.arrival_s()), "ms");
+      BenchRow(name + "/capture_to_arrival", 1e3 * Median(listener.arrival_s()), "ms");
   arrived["p99_ms"] = 1e3 * Quantile(listener.arrival_s(), 0.99);
   const double lost = static_cast<double>(listener.num_lost());
-  nlohmann::json delivered = Row(name + "/delivered", 100.0 * images / (images + lost), "%");
+  nlohmann::json delivered = BenchRow(name + "/delivered", 100.0 * images / (images + lost), "%");
   delivered["images"] = images;
   delivered["lost"] = lost;
-  const nlohmann::json document = {{"context", {{"num_cpus", sysconf(_SC_NPROCESSORS_ONLN)}}},
-                                   {"benchmarks", {processor, published, arrived, delivered}}};
-  std::ofstream stream(arguments.output);
-  stream << document.dump(1) << '\n';
-  stream.flush();
-  if (!stream) return Error{ErrorCode::kIo, arguments.output + " can't be written"};
-  return {};
+  return WriteBenchRows({processor, published, arrived, delivered}, arguments.output);
 }
 
 int Main(int argc, char** argv) {

@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
@@ -21,6 +20,7 @@
 #include "common/format.h"
 #include "common/result.h"
 #include "nodes/command_line.h"
+#include "tests/bench/bench_rows.h"
 #include "tests/bench/large_log.h"
 
 namespace vantage {
@@ -167,13 +167,7 @@ Result<void> Run(const Arguments& arguments, const fs::path& log) {
                   {"cpu_time", cut->seconds},
                   {"time_unit", "s"},
                   {"memory_megabytes", cut->megabytes}});
-  const nlohmann::json document = {{"context", {{"num_cpus", sysconf(_SC_NPROCESSORS_ONLN)}}},
-                                   {"benchmarks", rows}};
-  std::ofstream stream(arguments.output);
-  stream << document.dump(1) << '\n';
-  stream.flush();
-  if (!stream) return Error{ErrorCode::kIo, arguments.output + " can't be written"};
-  return {};
+  return WriteBenchRows(rows, arguments.output);
 }
 
 int Main(int argc, char** argv) {

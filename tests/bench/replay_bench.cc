@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,6 +17,7 @@
 #include "common/statistics.h"
 #include "nodes/command_line.h"
 #include "perception/model/file_bytes.h"
+#include "tests/bench/bench_rows.h"
 #include "tools/replay/replay_run.h"
 
 namespace vantage {
@@ -41,11 +41,6 @@ struct Way {
   double span = 0.0;                // s
   bool is_same = true;              // Every output as the first of its kind.
 };
-
-nlohmann::json Row(const std::string& name, double value, const std::string& unit) {
-  return {
-      {"run_name", name}, {"aggregate_name", "median"}, {"cpu_time", value}, {"time_unit", unit}};
-}
 
 Result<void> Rerun(const Arguments& arguments, std::map<bool, std::string>* first, Way* way) {
   ReplayOptions options;
@@ -81,20 +76,15 @@ Result<void> Run(const Arguments& arguments) {
   }
   nlohmann::json rows = nlohmann::json::array();
   for (const Way& way : ways) {
-    nlohmann::json speed = Row("rerun/" + way.name + "/times_as_fast", Median(way.speeds), "x");
+    nlohmann::json speed =
+        BenchRow("rerun/" + way.name + "/times_as_fast", Median(way.speeds), "x");
     speed["log_s"] = way.span;
     speed["slowest"] = Quantile(way.speeds, 0.0);
     speed["of_one_thread"] = Median(way.speeds) / Median(ways.front().speeds);
     rows.push_back(speed);
-    rows.push_back(Row("rerun/" + way.name + "/equal", way.is_same ? 1.0 : 0.0, ""));
+    rows.push_back(BenchRow("rerun/" + way.name + "/equal", way.is_same ? 1.0 : 0.0, ""));
   }
-  const nlohmann::json document = {{"context", {{"num_cpus", sysconf(_SC_NPROCESSORS_ONLN)}}},
-                                   {"benchmarks", rows}};
-  std::ofstream stream(arguments.output);
-  stream << document.dump(1) << '\n';
-  stream.flush();
-  if (!stream) return Error{ErrorCode::kIo, arguments.output + " can't be written"};
-  return {};
+  return WriteBenchRows(rows, arguments.output);
 }
 
 int Main(int argc, char** argv) {

@@ -8,22 +8,6 @@
 #include "common/jpeg_decoder.h"
 
 namespace vantage {
-namespace {
-
-// Bytes of a pixel; 0: not one of these.
-size_t PixelBytes(int32_t format) {
-  switch (format) {
-    case image_t::PIXEL_FORMAT_GRAY:
-      return 1;
-    case image_t::PIXEL_FORMAT_RGB:
-    case image_t::PIXEL_FORMAT_BGR:
-      return 3;
-    default:
-      return 0;
-  }
-}
-
-}  // namespace
 
 const image_t* FindColor(const images_t& images) {
   const size_t count = std::min(images.images.size(), images.image_types.size());
@@ -56,7 +40,7 @@ Result<RgbImage> ColorPicture(const image_t& image) {
   }
   const auto width = static_cast<size_t>(image.width);
   const auto height = static_cast<size_t>(image.height);
-  const size_t bytes = PixelBytes(image.pixelformat);
+  const size_t bytes = BytesPerPixel(image.pixelformat);
   const size_t stride = image.row_stride < 0 ? 0 : static_cast<size_t>(image.row_stride);
   if (bytes == 0 || stride < bytes * width || image.data.size() != stride * height) {
     return malformed();
