@@ -230,8 +230,9 @@ std::optional<EventHeader> EventFinder::MendLengths(int64_t offset,
                                                     const EventHeader& header,
                                                     Link link) {
   std::optional<EventHeader> best;
-  // Whether numbers count on, how far from there, how likely the channel is.
-  std::tuple<bool, int64_t, int> best_score;
+  // Whether numbers count on, how far from there, how likely the channel is; of those that come to
+  // the same, the first end: a log inside of a message lies inside of it with all of its events.
+  std::tuple<bool, int64_t, int, int64_t> best_score;
   lookahead_ -= 64 * kPeekCost;
   for (unsigned bit = 0; bit < 64 && lookahead_ > 0; ++bit) {
     EventHeader mended = header;
@@ -244,7 +245,7 @@ std::optional<EventHeader> EventFinder::MendLengths(int64_t offset,
     if (mended_link == Link::kNone || (!counts && link != Link::kNone)) continue;
     if (mended_link == Link::kEnd && !EndsWell(offset, header, mended)) continue;
     const std::tuple score(
-        counts, counts ? FollowCount(end, window_.size()) : 0, ChannelScore(offset, mended));
+        counts, counts ? FollowCount(end, window_.size()) : 0, ChannelScore(offset, mended), -end);
     if (!best || score > best_score) {
       best = mended;
       best_score = score;
