@@ -27,18 +27,6 @@ struct Hemisphere {
   }
 };
 
-Eigen::Matrix3d ViewRotation(const Eigen::Vector3d& towards) {
-  const Eigen::Vector3d z = towards.normalized();
-  Eigen::Vector3d x = Eigen::Vector3d::UnitZ().cross(z);
-  if (x.norm() < 1e-6) x = Eigen::Vector3d::UnitX();
-  x.normalize();
-  Eigen::Matrix3d rotation;
-  rotation.row(0) = x;
-  rotation.row(1) = z.cross(x);
-  rotation.row(2) = z;
-  return rotation;
-}
-
 // The point of the unit sphere behind a pixel of the square; false outside the disk.
 bool PointAt(int column, int row, double radius, Eigen::Vector3d* p_view) {
   const double x = (column - radius) / radius;
@@ -118,6 +106,18 @@ void PaintHemisphere(const Hemisphere& half, double highest, RgbImage& image) {
 }
 
 }  // namespace
+
+Eigen::Matrix3d ViewRotation(const Eigen::Vector3d& towards) {
+  const Eigen::Vector3d z = towards.normalized();
+  Eigen::Vector3d x = Eigen::Vector3d::UnitZ().cross(z);
+  if (x.norm() < 1e-6) x = Eigen::Vector3d::UnitX();
+  x.normalize();
+  Eigen::Matrix3d rotation;
+  rotation.row(0) = x;
+  rotation.row(1) = z.cross(x);
+  rotation.row(2) = z;
+  return rotation;
+}
 
 Eigen::Vector3d DirectionOfOrientation(const Eigen::Quaterniond& orientation) {
   return orientation * Eigen::Vector3d::Ones().normalized();

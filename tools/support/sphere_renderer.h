@@ -29,6 +29,10 @@ struct SphereView {
 /// r + 2 m high, m = 8 px.
 RgbImage RenderSphereDensity(std::span<const SphereSample> samples, const SphereView& view);
 
+/// R_view_world of a look at the sphere: `towards`, not zero, points at the viewer (z), the world's
+/// z axis is up (y); where they are parallel, the world's x axis is to the right (x).
+Eigen::Matrix3d ViewRotation(const Eigen::Vector3d& towards);
+
 /// Paper section 4.1: where orientations take v1 = (1, 1, 1) / sqrt(3).
 Eigen::Vector3d DirectionOfOrientation(const Eigen::Quaterniond& orientation);
 

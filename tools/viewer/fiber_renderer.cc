@@ -5,6 +5,7 @@
 
 #include "common/so3.h"
 #include "tools/support/rgb_canvas.h"
+#include "tools/support/sphere_renderer.h"
 
 namespace vantage {
 namespace {
@@ -81,15 +82,7 @@ Rgb BlendColor(const Blend& blend, float highest, double light) {
 }  // namespace
 
 Eigen::Matrix3d TwoHalves::Rotation(bool is_far) const {
-  const Eigen::Vector3d z = (is_far ? -1.0 : 1.0) * towards.normalized();
-  Eigen::Vector3d x = Eigen::Vector3d::UnitZ().cross(z);
-  if (x.norm() < 1e-6) x = Eigen::Vector3d::UnitX();
-  x.normalize();
-  Eigen::Matrix3d rotation;
-  rotation.row(0) = x;
-  rotation.row(1) = z.cross(x);
-  rotation.row(2) = z;
-  return rotation;
+  return ViewRotation(is_far ? Eigen::Vector3d(-towards) : towards);
 }
 
 Eigen::Vector2d TwoHalves::Center(bool is_far) const {
